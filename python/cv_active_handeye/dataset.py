@@ -1,0 +1,331 @@
+# SPDX-FileCopyrightText: 2026 active_handeye contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The recording of one calibration: a folder with `dataset.yaml` and `images/`, written view by view.
+
+Lengths are metres, `R_gripper2base`, `t_gripper2base` map a point in the gripper frame into the base frame, as in
+`cv::calibrateHandEye`. The description of every key is in doc/files.md.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any, Literal
+
+import cv2
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+from . import files
+from .files import (
+    FileFormatError,
+    FloatArray,
+    Rotation,
+    Vector3,
+    check_schema_version,
+    read_yaml,
+    validate,
+    write_atomic,
+)
+from .point_files import read_board_points, read_image_points, write_board_points, write_image_points
+
+SCHEMA_VERSION = 1
+FILE_NAME = "dataset.yaml"
+IMAGE_FOLDER = "images"
+
+Image = NDArray[np.uint8] | NDArray[np.uint16]
+PixelFormat = Literal["mono8", "mono16", "bgr8", "bgr16"]
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
+
+
+class CameraInfo(_Strict):
+    """What is known of the camera without calibrating it: image size in pixels, pixel format, a name."""
+
+    width: int = Field(gt=0)
+    height: int = Field(gt=0)
+    pixel_format: PixelFormat = "mono8"
+    name: str = ""
+
+
+class LaserInfo(_Strict):
+    """`stripe`: "horizontal" = the line runs along the image rows (one point per column), "vertical" = along the columns."""
+
+    stripe: Literal["horizontal", "vertical"] = "horizontal"
+    name: str = ""
+
+
+class View(_Strict):
+    """One stop of the robot. Image names are relative to the data set's folder; `timestamp` is in seconds since 1970 (UTC)."""
+
+    index: int = Field(ge=0)
+    R_gripper2base: Rotation
+    t_gripper2base: Vector3
+    image: str | None = None
+    laser_image: str | None = None
+    surface_id: int | None = None
+    timestamp: float | None = Field(default=None, allow_inf_nan=False)
+
+    @field_validator("image", "laser_image")
+    @classmethod
+    def _stay_inside(cls, name: str | None) -> str | None:
+        return _inside(name)
+
+
+class _Content(_Strict):
+    """`dataset.yaml` as it stands in the file."""
+
+    schema_version: Literal[1] = 1
+    units: Literal["m"] = "m"
+    description: str = ""
+    camera: CameraInfo
+    laser: LaserInfo | None = None
+    planned_views: int | None = Field(default=None, ge=0)
+    image_points: str | None = None
+    board_points: str | None = None
+    views: tuple[View, ...] = ()
+
+    @field_validator("views")
+    @classmethod
+    def _indices_in_order(cls, views: tuple[View, ...]) -> tuple[View, ...]:
+        for position, view in enumerate(views):
+            if view.index != position:
+                raise ValueError(f"needs index {position} at position {position}, given {view.index}")
+        return views
+
+    @field_validator("image_points", "board_points")
+    @classmethod
+    def _stay_inside(cls, name: str | None) -> str | None:
+        return _inside(name)
+
+
+def _inside(name: str | None) -> str | None:
+    if name is not None and (Path(name).is_absolute() or ".." in Path(name).parts or not name):
+        raise ValueError(f"needs a file name inside the data set's folder, given {name!r}")
+    return name
+
+
+class Dataset:
+    """A data set on disk. `Dataset.create` starts one, `add_view` extends it, `Dataset.open` reads it."""
+
+    def __init__(self, folder: Path, content: _Content) -> None:
+        self.folder = folder
+        self._content = content
+
+    @classmethod
+    def create(
+        cls,
+        folder: str | Path,
+        *,
+        camera: CameraInfo,
+        laser: LaserInfo | None = None,
+        description: str = "",
+        planned_views: int | None = None,
+    ) -> Dataset:
+        """Starts an empty data set; FileExistsError if `folder` already holds one. `planned_views` lets `problems` count."""
+        path = Path(folder)
+        if (path / FILE_NAME).exists():
+            raise FileExistsError(f"{path}: already holds a data set ({FILE_NAME}); choose another folder")
+        (path / IMAGE_FOLDER).mkdir(parents=True, exist_ok=True)
+        dataset = cls(path, _Content(camera=camera, laser=laser, description=description, planned_views=planned_views))
+        dataset._write(dataset._content)
+        files.sync_directory(path.resolve().parent)
+        return dataset
+
+    @classmethod
+    def open(cls, folder: str | Path) -> Dataset:
+        """Opens a data set, complete or not (see `problems`); `FileFormatError` names the key of what cannot be read."""
+        path = Path(folder)
+        if not (path / FILE_NAME).is_file():
+            raise FileFormatError(f"{path}: is not a data set: it holds no {FILE_NAME}")
+        content = read_yaml(path / FILE_NAME, "data set")
+        check_schema_version(path / FILE_NAME, content, "data set", SCHEMA_VERSION)
+        return cls(path, validate(_Content, content, path / FILE_NAME))
+
+    @property
+    def camera(self) -> CameraInfo:
+        return self._content.camera
+
+    @property
+    def laser(self) -> LaserInfo | None:
+        return self._content.laser
+
+    @property
+    def description(self) -> str:
+        return self._content.description
+
+    @property
+    def views(self) -> tuple[View, ...]:
+        return self._content.views
+
+    def __len__(self) -> int:
+        return len(self.views)
+
+    @property
+    def R_gripper2base(self) -> FloatArray:
+        """(V, 3, 3) rotations of the gripper in the base frame."""
+        return np.array([view.R_gripper2base for view in self.views], dtype=np.float64).reshape(-1, 3, 3)
+
+    @property
+    def t_gripper2base(self) -> FloatArray:
+        """(V, 3) positions of the gripper in the base frame, metres."""
+        return np.array([view.t_gripper2base for view in self.views], dtype=np.float64).reshape(-1, 3)
+
+    def add_view(
+        self,
+        R_gripper2base: Any,
+        t_gripper2base: Any,
+        *,
+        image: Image | None = None,
+        laser_image: Image | None = None,
+        surface_id: int | None = None,
+        timestamp: float | None = None,
+    ) -> View:
+        """Appends one stop: first its images, then `dataset.yaml`, each durable. A crash in between loses this view only.
+
+        `image` is taken with the laser off, `laser_image` with the laser on; both need the camera's size and pixel format.
+        """
+        index = len(self.views)
+        view = validate(
+            View,
+            {
+                "index": index,
+                "R_gripper2base": R_gripper2base,
+                "t_gripper2base": t_gripper2base,
+                "image": None if image is None else f"{IMAGE_FOLDER}/{index:04d}.png",
+                "laser_image": None if laser_image is None else f"{IMAGE_FOLDER}/{index:04d}_laser.png",
+                "surface_id": surface_id,
+                "timestamp": timestamp,
+            },
+            self.folder / f"view {index}",
+        )
+        for name, pixels in ((view.image, image), (view.laser_image, laser_image)):
+            if name is not None and pixels is not None:
+                self._write_image(name, pixels)
+        self._write(self._content.model_copy(update={"views": (*self.views, view)}))
+        return view
+
+    def image(self, index: int) -> Image | None:
+        """The laser-off image of a view, None where the view has none."""
+        name = self.views[index].image
+        return None if name is None else self._read_image(name)
+
+    def laser_image(self, index: int) -> Image | None:
+        """The laser-on image of a view, None where the view has none."""
+        name = self.views[index].laser_image
+        return None if name is None else self._read_image(name)
+
+    def set_image_points(self, image_points: Any, board_points: Any = None) -> None:
+        """Stores points found by other means: `image_points` (V, N, 2) px, NaN = not seen; `board_points` (N, 3) m if known."""
+        points = np.asarray(image_points, dtype=np.float64)
+        if points.ndim != 3 or points.shape[0] != len(self) or points.shape[2] != 2:
+            raise ValueError(f"image_points: needs shape {len(self)}xNx2 (one block a view), given {points.shape}")
+        update: dict[str, Any] = {"image_points": "image_points.csv", "board_points": None}
+        write_image_points(self.folder / "image_points.csv", points)
+        if board_points is not None:
+            board = files.finite_array(board_points, (points.shape[1], 3))
+            write_board_points(self.folder / "board_points.csv", board)
+            update["board_points"] = "board_points.csv"
+        self._write(self._content.model_copy(update=update))
+
+    def image_points(self) -> FloatArray | None:
+        """Stored points (V, N, 2) in pixels, NaN = not seen; None where the data set has none."""
+        name = self._content.image_points
+        return None if name is None else read_image_points(self.folder / name, len(self))
+
+    def board_points(self) -> FloatArray | None:
+        """Stored scene points (N, 3) in metres, NaN = unknown, row j belongs to row j of `image_points`; or None."""
+        name = self._content.board_points
+        return None if name is None else read_board_points(self.folder / name)
+
+    def problems(self) -> list[str]:
+        """What is missing or damaged, one sentence each; an empty list means complete."""
+        found: list[str] = []
+        planned = self._content.planned_views
+        if planned is not None and len(self) < planned:
+            found.append(
+                f"{planned - len(self)} of {planned} planned views are missing (views {len(self)} to {planned - 1})"
+            )
+        elif not self.views:
+            found.append("there are no views")
+        for name in self._named_files():
+            try:
+                self._check_file(name)
+            except (FileFormatError, OSError) as error:
+                found.append(str(error))
+        return found + self._strays()
+
+    def sha256(self) -> str:
+        """Hash of everything the data set says: the content of `dataset.yaml` and the bytes of every file it names."""
+        digest = hashlib.sha256()
+        digest.update(json.dumps(self._content.model_dump(), sort_keys=True).encode())
+        for name in self._named_files():
+            path = self.folder / name
+            digest.update(hashlib.sha256(path.read_bytes()).digest() if path.is_file() else b"missing")
+        return digest.hexdigest()
+
+    def _named_files(self) -> list[str]:
+        names = [name for view in self.views for name in (view.image, view.laser_image)]
+        return [name for name in (*names, self._content.image_points, self._content.board_points) if name is not None]
+
+    def _check_file(self, name: str) -> None:
+        if name == self._content.image_points:
+            self.image_points()
+        elif name == self._content.board_points:
+            self.board_points()
+        else:
+            self._read_image(name)
+
+    def _strays(self) -> list[str]:
+        known = set(self._named_files())
+        stored = sorted(path for path in (self.folder / IMAGE_FOLDER).glob("*") if path.is_file())
+        names = [path.relative_to(self.folder).as_posix() for path in stored]
+        return [
+            f"{name}: no view names this file (a view that was not completed?)" for name in names if name not in known
+        ]
+
+    def _write(self, content: _Content) -> None:
+        text = yaml.safe_dump(
+            content.model_dump(), sort_keys=False, default_flow_style=None, width=200, allow_unicode=True
+        )
+        write_atomic(self.folder / FILE_NAME, text.encode())
+        self._content = content
+
+    def _write_image(self, name: str, pixels: Image) -> None:
+        self._check_pixels(name, pixels)
+        done, encoded = cv2.imencode(".png", np.ascontiguousarray(pixels))
+        if not done:
+            raise ValueError(f"{name}: the image could not be encoded as PNG")
+        write_atomic(self.folder / name, encoded.tobytes())
+
+    def _read_image(self, name: str) -> Image:
+        path = self.folder / name
+        if not path.is_file():
+            raise FileFormatError(f"{name}: the file is missing")
+        pixels = (
+            cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), cv2.IMREAD_UNCHANGED)
+            if path.stat().st_size
+            else None
+        )
+        if pixels is None:
+            raise FileFormatError(f"{name}: cannot be decoded as an image ({path.stat().st_size} bytes)")
+        try:
+            self._check_pixels(name, pixels)
+        except ValueError as error:
+            raise FileFormatError(str(error)) from error
+        return pixels  # type: ignore[return-value]
+
+    def _check_pixels(self, name: str, pixels: Any) -> None:
+        camera = self.camera
+        dtype = np.uint8 if camera.pixel_format.endswith("8") else np.uint16
+        shape = (camera.height, camera.width) + ((3,) if camera.pixel_format.startswith("bgr") else ())
+        if pixels.shape != shape or pixels.dtype != dtype:
+            raise ValueError(
+                f"{name}: the camera ({camera.pixel_format}) needs {np.dtype(dtype).name} of shape {shape}, "
+                f"given {pixels.dtype} of shape {pixels.shape}"
+            )
