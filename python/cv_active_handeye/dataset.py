@@ -11,25 +11,16 @@ from __future__ import annotations
 import hashlib
 import json
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import cv2
 import numpy as np
 import yaml
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from . import files
-from .files import (
-    FileFormatError,
-    FloatArray,
-    Rotation,
-    Vector3,
-    check_schema_version,
-    read_yaml,
-    validate,
-    write_atomic,
-)
+from .dataset_format import CameraInfo, Content, LaserInfo, View
+from .files import FileFormatError, FloatArray, check_schema_version, read_yaml, validate, write_atomic
 from .point_files import read_board_points, read_image_points, write_board_points, write_image_points
 
 SCHEMA_VERSION = 1
@@ -37,83 +28,12 @@ FILE_NAME = "dataset.yaml"
 IMAGE_FOLDER = "images"
 
 Image = NDArray[np.uint8] | NDArray[np.uint16]
-PixelFormat = Literal["mono8", "mono16", "bgr8", "bgr16"]
-
-
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
-
-
-class CameraInfo(_Strict):
-    """What is known of the camera without calibrating it: image size in pixels, pixel format, a name."""
-
-    width: int = Field(gt=0)
-    height: int = Field(gt=0)
-    pixel_format: PixelFormat = "mono8"
-    name: str = ""
-
-
-class LaserInfo(_Strict):
-    """`stripe`: "horizontal" = the line runs along the image rows (one point per column), "vertical" = along the columns."""
-
-    stripe: Literal["horizontal", "vertical"] = "horizontal"
-    name: str = ""
-
-
-class View(_Strict):
-    """One stop of the robot. Image names are relative to the data set's folder; `timestamp` is in seconds since 1970 (UTC)."""
-
-    index: int = Field(ge=0)
-    R_gripper2base: Rotation
-    t_gripper2base: Vector3
-    image: str | None = None
-    laser_image: str | None = None
-    surface_id: int | None = None
-    timestamp: float | None = Field(default=None, allow_inf_nan=False)
-
-    @field_validator("image", "laser_image")
-    @classmethod
-    def _stay_inside(cls, name: str | None) -> str | None:
-        return _inside(name)
-
-
-class _Content(_Strict):
-    """`dataset.yaml` as it stands in the file."""
-
-    schema_version: Literal[1] = 1
-    units: Literal["m"] = "m"
-    description: str = ""
-    camera: CameraInfo
-    laser: LaserInfo | None = None
-    planned_views: int | None = Field(default=None, ge=0)
-    image_points: str | None = None
-    board_points: str | None = None
-    views: tuple[View, ...] = ()
-
-    @field_validator("views")
-    @classmethod
-    def _indices_in_order(cls, views: tuple[View, ...]) -> tuple[View, ...]:
-        for position, view in enumerate(views):
-            if view.index != position:
-                raise ValueError(f"needs index {position} at position {position}, given {view.index}")
-        return views
-
-    @field_validator("image_points", "board_points")
-    @classmethod
-    def _stay_inside(cls, name: str | None) -> str | None:
-        return _inside(name)
-
-
-def _inside(name: str | None) -> str | None:
-    if name is not None and (Path(name).is_absolute() or ".." in Path(name).parts or not name):
-        raise ValueError(f"needs a file name inside the data set's folder, given {name!r}")
-    return name
 
 
 class Dataset:
     """A data set on disk. `Dataset.create` starts one, `add_view` extends it, `Dataset.open` reads it."""
 
-    def __init__(self, folder: Path, content: _Content) -> None:
+    def __init__(self, folder: Path, content: Content) -> None:
         self.folder = folder
         self._content = content
 
@@ -127,25 +47,25 @@ class Dataset:
         description: str = "",
         planned_views: int | None = None,
     ) -> Dataset:
-        """Starts an empty data set; FileExistsError if `folder` already holds one. `planned_views` lets `problems` count."""
+        """Starts an empty data set; FileExistsError if `folder` holds one. `planned_views` lets `problems` count."""
         path = Path(folder)
         if (path / FILE_NAME).exists():
             raise FileExistsError(f"{path}: already holds a data set ({FILE_NAME}); choose another folder")
         (path / IMAGE_FOLDER).mkdir(parents=True, exist_ok=True)
-        dataset = cls(path, _Content(camera=camera, laser=laser, description=description, planned_views=planned_views))
+        dataset = cls(path, Content(camera=camera, laser=laser, description=description, planned_views=planned_views))
         dataset._write(dataset._content)
         files.sync_directory(path.resolve().parent)
         return dataset
 
     @classmethod
     def open(cls, folder: str | Path) -> Dataset:
-        """Opens a data set, complete or not (see `problems`); `FileFormatError` names the key of what cannot be read."""
+        """Opens a data set, complete or not (see `problems`); `FileFormatError` names what cannot be read."""
         path = Path(folder)
         if not (path / FILE_NAME).is_file():
             raise FileFormatError(f"{path}: is not a data set: it holds no {FILE_NAME}")
         content = read_yaml(path / FILE_NAME, "data set")
         check_schema_version(path / FILE_NAME, content, "data set", SCHEMA_VERSION)
-        return cls(path, validate(_Content, content, path / FILE_NAME))
+        return cls(path, validate(Content, content, path / FILE_NAME))
 
     @property
     def camera(self) -> CameraInfo:
@@ -186,9 +106,9 @@ class Dataset:
         surface_id: int | None = None,
         timestamp: float | None = None,
     ) -> View:
-        """Appends one stop: first its images, then `dataset.yaml`, each durable. A crash in between loses this view only.
+        """Appends one stop: first its images, then `dataset.yaml`, each durable; a crash loses this view only.
 
-        `image` is taken with the laser off, `laser_image` with the laser on; both need the camera's size and pixel format.
+        `image` is taken with the laser off, `laser_image` with the laser on, in the camera's size and pixel format.
         """
         index = len(self.views)
         view = validate(
@@ -221,7 +141,7 @@ class Dataset:
         return None if name is None else self._read_image(name)
 
     def set_image_points(self, image_points: Any, board_points: Any = None) -> None:
-        """Stores points found by other means: `image_points` (V, N, 2) px, NaN = not seen; `board_points` (N, 3) m if known."""
+        """Stores points found by other means: `image_points` (V, N, 2) px, NaN = not seen; `board_points` (N, 3) m."""
         points = np.asarray(image_points, dtype=np.float64)
         if points.ndim != 3 or points.shape[0] != len(self) or points.shape[2] != 2:
             raise ValueError(f"image_points: needs shape {len(self)}xNx2 (one block a view), given {points.shape}")
@@ -289,7 +209,7 @@ class Dataset:
             f"{name}: no view names this file (a view that was not completed?)" for name in names if name not in known
         ]
 
-    def _write(self, content: _Content) -> None:
+    def _write(self, content: Content) -> None:
         text = yaml.safe_dump(
             content.model_dump(), sort_keys=False, default_flow_style=None, width=200, allow_unicode=True
         )
@@ -307,13 +227,10 @@ class Dataset:
         path = self.folder / name
         if not path.is_file():
             raise FileFormatError(f"{name}: the file is missing")
-        pixels = (
-            cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), cv2.IMREAD_UNCHANGED)
-            if path.stat().st_size
-            else None
-        )
+        content = np.frombuffer(path.read_bytes(), np.uint8)
+        pixels = cv2.imdecode(content, cv2.IMREAD_UNCHANGED) if content.size else None
         if pixels is None:
-            raise FileFormatError(f"{name}: cannot be decoded as an image ({path.stat().st_size} bytes)")
+            raise FileFormatError(f"{name}: cannot be decoded as an image ({content.size} bytes)")
         try:
             self._check_pixels(name, pixels)
         except ValueError as error:

@@ -28,7 +28,7 @@ class FileFormatError(ValueError):
 
 
 def write_atomic(path: Path, content: bytes) -> None:
-    """Writes `content` so that after a crash or power cut `path` holds either the old or the new bytes, never a mixture."""
+    """Writes `content` so that after a crash or power cut `path` holds the old or the new bytes, never a mixture."""
     temporary = path.with_name(f".{path.name}{TEMPORARY_SUFFIX}")
     with open(temporary, "wb") as stream:
         stream.write(content)
@@ -39,7 +39,7 @@ def write_atomic(path: Path, content: bytes) -> None:
 
 
 def sync_directory(folder: Path) -> None:
-    """Makes created and renamed entries of `folder` durable (a no-op where directories cannot be opened, as on Windows)."""
+    """Makes created and renamed entries of `folder` durable (no-op on Windows, which cannot open directories)."""
     if os.name == "nt":
         return
     descriptor = os.open(folder, os.O_RDONLY)
@@ -75,9 +75,8 @@ def read_yaml(path: Path, kind: str) -> dict[str, Any]:
     except yaml.YAMLError as error:
         raise FileFormatError(f"{path}: is not valid YAML: {error}") from error
     if not isinstance(content, dict):
-        raise FileFormatError(
-            f"{path}: needs a map of keys at the top level of a {kind} file, found {type(content).__name__}"
-        )
+        found = type(content).__name__
+        raise FileFormatError(f"{path}: needs a map of keys at the top level of a {kind} file, found {found}")
     return content
 
 
@@ -88,7 +87,8 @@ def check_schema_version(path: Path, content: Mapping[str, Any], kind: str, supp
     version = content["schema_version"]
     if version != supported or isinstance(version, bool):
         raise FileFormatError(
-            f"{path}: key 'schema_version': this software reads version {supported} of the {kind} file, the file says {version!r}"
+            f"{path}: key 'schema_version': this software reads version {supported} of the {kind} file, "
+            f"the file says {version!r}"
         )
 
 
@@ -111,7 +111,7 @@ def _explain(item: Any) -> str:
 
 
 def finite_array(value: Any, shape: tuple[int | None, ...]) -> FloatArray:
-    """`value` as a read-only float64 array of `shape` (None = any length), all finite; ValueError says what was given."""
+    """`value` as a read-only float64 array of `shape` (None = any length), all finite; else ValueError."""
     try:
         array: FloatArray = np.array(value, dtype=np.float64)
     except (TypeError, ValueError) as error:

@@ -42,9 +42,8 @@ def read_image_points(path: Path, view_count: int) -> FloatArray:
 
 def write_board_points(path: Path, points: FloatArray) -> None:
     """`points` (N, 3) in metres."""
-    rows = [
-        [str(j), *(repr(float(value)) for value in point)] for j, point in enumerate(points) if np.isfinite(point).all()
-    ]
+    known = np.flatnonzero(np.isfinite(points).all(axis=1))
+    rows = [[str(j), *(repr(float(value)) for value in points[j])] for j in known]
     _write_table(path, BOARD_HEADER, rows)
 
 
@@ -70,13 +69,11 @@ def _read_table(path: Path, header: list[str]) -> FloatArray:
         raise FileFormatError(f"{path.name}: the file is missing")
     rows = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
     if not rows or rows[0] != header:
-        raise FileFormatError(
-            f"{path}: needs the header {','.join(header)}, given {','.join(rows[0]) if rows else 'nothing'}"
-        )
+        given = ",".join(rows[0]) if rows else "nothing"
+        raise FileFormatError(f"{path}: needs the header {','.join(header)}, given {given}")
     try:
-        table = np.array([[float(value) for value in row] for row in rows[1:]], dtype=np.float64).reshape(
-            -1, len(header)
-        )
+        numbers = [[float(value) for value in row] for row in rows[1:]]
+        table = np.array(numbers, dtype=np.float64).reshape(-1, len(header))
     except ValueError as error:
         raise FileFormatError(f"{path}: every row needs {len(header)} numbers: {error}") from error
     return table
