@@ -1,0 +1,40 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include "least_squares.hpp"
+
+namespace cv { namespace active_handeye {
+
+LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxIterations)
+{
+    LeastSquaresSummary summary;
+    summary.converged = false;
+    Eigen::VectorXd Jtr;
+    summary.cost = problem.linearize(summary.JtJ, Jtr);
+    double damping = 1e-6;
+    const double maxDamping = 1e12;
+    for (summary.iterations = 0; summary.iterations < maxIterations && !summary.converged; ++summary.iterations)
+    {
+        // Marquardt's scaling; the added constant keeps parameters that nothing observes where they are.
+        Eigen::MatrixXd damped = summary.JtJ;
+        damped.diagonal() += damping * (summary.JtJ.diagonal().array() + 1e-12 * summary.JtJ.diagonal().maxCoeff() + 1e-300).matrix();
+        const Eigen::VectorXd step = -damped.ldlt().solve(Jtr);
+        const double cost = problem.costAfter(step);
+        const double predictedDecrease = -step.dot(Jtr);
+        if (!(cost < summary.cost))
+        {
+            summary.converged = predictedDecrease <= 1e-14 * summary.cost || damping > maxDamping;
+            damping *= 10;
+            continue;
+        }
+        summary.converged = summary.cost - cost <= 1e-14 * summary.cost;
+        problem.apply(step);
+        summary.cost = problem.linearize(summary.JtJ, Jtr);
+        damping = std::max(damping * 0.1, 1e-12);
+    }
+    return summary;
+}
+
+}} // namespace cv::active_handeye
