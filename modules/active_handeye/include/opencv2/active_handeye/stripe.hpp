@@ -27,7 +27,7 @@ struct CV_EXPORTS_W_SIMPLE StripeParams
     CV_PROP_RW int orientation;     //!< a #StripeOrientation; default STRIPE_HORIZONTAL
     CV_PROP_RW double sigma;        //!< expected standard deviation of the stripe's cross profile [px], 0.5 to 20; the
                                     //!< width found in the image (half to twice this) is used; default 1.5
-    CV_PROP_RW double minSnr;       //!< least height of a peak of the smoothed profile, in units of its noise; default 6
+    CV_PROP_RW double minSnr;       //!< least height of a peak of the smoothed profile, in units of its noise; default 4.5
     CV_PROP_RW double minContrast;  //!< least height of the stripe as a fraction of the saturation level; default 0.02
     CV_PROP_RW double maxSecondPeak; //!< a column is left out when its second peak is higher than this fraction of the
                                     //!< first; default 0.6
@@ -47,8 +47,8 @@ shadows, double peaks, noise) give no point.
 @param[in] image 8 or 16 bit, 1 or 3 channels (their mean is used).
 @param[out] stripePoints `(Nx2)` float64 pixel positions in order of the columns (rows for STRIPE_VERTICAL); pixel
 centres have integer coordinates; N = 0 when there is no stripe.
-@param[out] sigmas `(Nx1)` float64 standard deviations across the stripe [px], from the noise found around the
-peak. Errors of neighbouring columns are correlated where the surface is textured.
+@param[out] sigmas `(Nx1)` float64 standard deviations of the centres along their column (row) [px], from the noise
+found around the peak. Errors of neighbouring columns are correlated where the surface is textured.
 @param[in] background the same view with the laser off, same size and type; empty = none.
 @param[in] params what the stripe looks like.
 
