@@ -1,0 +1,184 @@
+# SPDX-FileCopyrightText: 2026 active_handeye contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The simulated cell: robot, camera, laser and workbench behind the controls a real cell has."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from ..dataset import Dataset
+from ..dataset_format import CameraInfo, LaserInfo
+from ..robots import kinematics
+from . import exact, motion
+from .bench import workbench
+from .config import CellConfig
+from .exact import StripeTruth
+from .laser import Laser
+from .optics import Camera, Sensor
+from .parts import Array
+from .render import Renderer
+from .robot_errors import RobotErrors
+from .scene import Lamp, Scene
+from .truth import TrueView, Truth
+
+Image = NDArray[np.uint8] | NDArray[np.uint16]
+
+_HARDWARE, _SCENE, _ROBOT, _SENSOR = range(4)  # keys of the independent random streams
+_LAMPS = [Lamp((-0.35, 0.30, 0.9), 0.12, 0.62), Lamp((0.5, -0.1, 1.1), 0.25, 0.30)]
+_AMBIENT, _AMBIENT_WITHOUT_LAMP = 0.22, 1.0
+_AIM = np.array([0.0, 0.0, 0.02])
+_BENCH = {"denso_vp6242": ((0.304, 0.0, -0.351), 90.0), "ur5e": ((0.50, 0.0, -0.10), 90.0)}  # bench in base, heading
+
+
+@dataclass(frozen=True)
+class SimulatedView:
+    """One stop. T_reported: what the controller says; T_true: where the flange was (both 4 x 4, gripper to base, m).
+
+    image: laser off; laser_image: laser on, None in a cell without laser; index: the stop its noise belongs to.
+    """
+
+    T_reported: Array
+    image: Image
+    laser_image: Image | None
+    T_true: Array
+    index: int
+
+
+class SimulatedCell:
+    """A robot with camera and line laser over a workbench. Same configuration, same bytes."""
+
+    def __init__(self, config: CellConfig | None = None) -> None:
+        self.config = config or CellConfig()
+        self.arm = kinematics.arm(self.config.robot)
+        rng = np.random.default_rng([self.config.seed, _HARDWARE])
+        self.camera = _camera(self.config, rng)
+        self._T_cam2gripper = _mounting(rng)
+        self.laser = _laser(self.config, rng)
+        self._T_bench2base, self._heading = _bench_pose(self.config, rng)
+        self.scene = _scene(self.config)
+        self._errors = RobotErrors(self.config, _ROBOT)
+        sensor = Sensor(self.config.full_well_electrons, self.config.read_noise_electrons, self.config.bit_depth)
+        self._renderer = Renderer(self.scene, self.camera, self.laser, sensor, self.config)
+        self._recorded: list[Array] = []
+        self._captured = 0
+
+    def plan(self) -> list[Array]:
+        """Return the 14 commanded poses (4, 4), gripper to base, of the default recording, all reachable."""
+        to_gripper = np.linalg.inv(self._T_cam2gripper)
+        cameras = motion.camera_poses(motion.default_looks(), _AIM, self._heading)
+        poses = [self._T_bench2base @ pose @ to_gripper for pose in cameras]
+        motion.check_motion(self.arm, poses)
+        return poses
+
+    def capture(self, T_gripper2base: Array, index: int | None = None) -> SimulatedView:
+        """Move to a commanded pose (4, 4) and take an image with the laser off and, if there is one, on.
+
+        index: the stop whose noise is drawn; None counts the captures of this cell. Raises UnreachableError.
+        """
+        stop = self._captured if index is None else index
+        self.arm.inverse(T_gripper2base)
+        reported = self._errors.reported(np.asarray(T_gripper2base, dtype=np.float64), stop)
+        true = self._errors.true(reported, stop)
+        rng = np.random.default_rng([self.config.seed, _SENSOR, stop])
+        image, laser_image = self._renderer.take(self._T_cam2bench(true), rng)
+        self._captured += 1
+        return SimulatedView(reported, image, laser_image, true, stop)
+
+    def record(self, folder: str | Path, progress: Callable[[int, int], None] | None = None,
+               poses: Sequence[Array] | None = None) -> Dataset:
+        """Record `poses` (default: `plan()`) into a new data set; `progress` gets (stops done, all stops)."""
+        stops = self.plan() if poses is None else [np.asarray(pose, dtype=np.float64) for pose in poses]
+        motion.check_motion(self.arm, stops)
+        c = self.config
+        camera = CameraInfo(width=c.width, height=c.height, pixel_format="mono8" if c.bit_depth == 8 else "mono16",
+                            name="simulated")
+        dataset = Dataset.create(folder, camera=camera, laser=LaserInfo(name="simulated") if c.laser else None,
+                                 description=f"simulated cell, {self.arm.name}", planned_views=len(stops))
+        self._recorded = []
+        for i, pose in enumerate(stops):
+            view = self.capture(pose, i)
+            dataset.add_view(view.T_reported[:3, :3], view.T_reported[:3, 3], image=view.image,
+                             laser_image=view.laser_image)
+            self._recorded.append(view.T_true)
+            if progress is not None:
+                progress(i + 1, len(stops))
+        return dataset
+
+    @property
+    def truth(self) -> Truth:
+        """The true parameters, with the true poses of the last recording."""
+        return Truth(
+            seed=self.config.seed, camera_matrix=self.camera.K, distortion_coefficients=self.camera.D,
+            R_cam2gripper=self._T_cam2gripper[:3, :3], t_cam2gripper=self._T_cam2gripper[:3, 3],
+            light_plane=self.laser.plane,
+            views=tuple(TrueView(R_gripper2base=T[:3, :3], t_gripper2base=T[:3, 3]) for T in self._recorded),
+        )
+
+    def correspond(self, view_a: SimulatedView, view_b: SimulatedView, points: Array) -> Array:
+        """Return the pixels (N, 2) of view b that show what view a shows at pixels `points` (N, 2).
+
+        Exact (no image noise); NaN where view b sees something else, or nothing, there.
+        """
+        return exact.correspond(self.scene, self.camera, self._T_cam2bench(view_a.T_true),
+                                self._T_cam2bench(view_b.T_true), np.asarray(points, dtype=np.float64))
+
+    def stripe(self, view: SimulatedView) -> StripeTruth:
+        """Return where the centre of the stripe crosses each image column, on which surface, exactly."""
+        return exact.stripe(self.scene, self.camera, self.laser, self._T_cam2bench(view.T_true))
+
+    def _T_cam2bench(self, T_gripper2base: Array) -> Array:
+        return np.asarray(np.linalg.inv(self._T_bench2base) @ T_gripper2base @ self._T_cam2gripper)
+
+
+def _pose(rotation: Rotation, t: Array) -> Array:
+    out = np.eye(4)
+    out[:3, :3], out[:3, 3] = rotation.as_matrix(), t
+    return out
+
+
+def _camera(config: CellConfig, rng: np.random.Generator) -> Camera:
+    scale = np.array([config.width / 640, config.height / 480])
+    jitter = rng.uniform(-1, 1, 4)
+    fx = config.focal_px * (1 + 0.002 * jitter[0])
+    fy = fx * (1.00092 + 0.0002 * jitter[1])
+    middle = config.principal_point_px
+    cx, cy = middle if middle is not None else np.array([316.8, 243.3]) * scale + 2 * jitter[2:]
+    K = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]], dtype=np.float64)
+    return Camera(config.width, config.height, K, np.array(config.distortion, dtype=np.float64))
+
+
+def _mounting(rng: np.random.Generator) -> Array:
+    turn = Rotation.from_rotvec(np.radians(np.array([4.1, -4.6, 2.7]) + rng.uniform(-1, 1, 3)))
+    return _pose(turn, np.array([-0.005, 0.103, 0.103]) + rng.uniform(-0.003, 0.003, 3))
+
+
+def _laser(config: CellConfig, rng: np.random.Generator) -> Laser:
+    origin = np.array([0.004, -0.100, 0.010]) + rng.uniform(-0.002, 0.002, 3)
+    crossing = np.array([0.0, 0.0, motion.STAND_OFF + rng.uniform(-0.01, 0.01)])
+    along = np.array([np.cos(0.02), np.sin(0.02 + 0.005 * rng.uniform(-1, 1)), 0.015])
+    n = np.cross(crossing - origin, along)
+    n /= np.linalg.norm(n)
+    d = float(n @ origin)
+    sign = 1.0 if d > 0 else -1.0
+    return Laser(sign * n, sign * d, origin, config.laser_sigma_mm / 1000, config.laser_power if config.laser else 0.0,
+                 motion.STAND_OFF)
+
+
+def _bench_pose(config: CellConfig, rng: np.random.Generator) -> tuple[Array, float]:
+    where, heading = _BENCH[config.robot]
+    turn = Rotation.from_rotvec(np.radians(rng.uniform(-0.5, 0.5, 3)))
+    return _pose(turn, np.array(where) + rng.uniform(-0.003, 0.003, 3)), heading
+
+
+def _scene(config: CellConfig) -> Scene:
+    rng = np.random.default_rng([config.seed, _SCENE])
+    patches = workbench(rng)
+    repeat = config.repeat_mm if config.texture == "repeated" else 0.0
+    lamps, ambient = (_LAMPS, _AMBIENT) if config.lamp else ([], _AMBIENT_WITHOUT_LAMP)
+    return Scene(patches, config.texel_mm, lamps, ambient, repeat, rng)

@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 active_handeye contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The default recording: where the camera goes, how it looks at the bench, and whether the arm can do it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..robots.kinematics import SerialArm, UnreachableError
+from .parts import Array
+
+STAND_OFF = 0.55
+"""Distance (m) from the camera to the aimed point at the first stop of every orientation."""
+
+_SHORT_MOVE = (0.15, 1.0)  # metres and degrees: moved on a straight line, longer ones joint by joint
+_TETRAHEDRON = np.array([[0, 0, 0], [1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+
+
+@dataclass(frozen=True)
+class Look:
+    """One orientation: fixed-axis angles (deg) about the image's x, y and the optical axis; stops (N, 3) m, camera frame."""
+
+    euler_deg: tuple[float, float, float]
+    stops: Array
+
+
+def default_looks() -> list[Look]:
+    """Return the 14 stops: two groups of four translations, then two orientations with two stops each."""
+    group = _TETRAHEDRON * [0.045, 0.040, 0.055]
+    return [
+        Look((6, -14, 0), group),
+        Look((-6, 14, 0), group),
+        Look((-8, 4, 90), np.array([[0, 0, 0], [0.035, 0.030, -0.040]])),
+        Look((-24, 2, -39), np.array([[0, 0, 0], [-0.035, 0.030, 0.040]])),
+    ]
+
+
+def camera_poses(looks: list[Look], aim: Array, heading_deg: float) -> list[Array]:
+    """Return camera poses (4, 4) in the bench frame.
+
+    aim: point (3,) of the bench that the first stop of each orientation looks at; heading_deg: turn of the image about
+    the vertical (0 = image x along bench x, looking straight down).
+    """
+    down = Rotation.from_euler("z", heading_deg, degrees=True) * Rotation.from_euler("x", 180, degrees=True)
+    out = []
+    for look in looks:
+        R = (down * Rotation.from_euler("xyz", look.euler_deg, degrees=True)).as_matrix()
+        for stop in look.stops:
+            pose = np.eye(4)
+            pose[:3, :3] = R
+            pose[:3, 3] = aim - STAND_OFF * R[:, 2] + R @ stop
+            out.append(pose)
+    return out
+
+
+def check_motion(arm: SerialArm, poses: list[Array]) -> Array:
+    """Return joint values (N, 6) for a list of flange poses (4, 4), each reached from the one before.
+
+    Short moves without turning are straight lines, checked along the way; others go joint by joint, which stays within
+    limits by itself. Raises UnreachableError naming the stop.
+    """
+    joints: list[Array] = []
+    for i, pose in enumerate(poses):
+        try:
+            if joints and _is_short(poses[i - 1], pose):
+                joints.append(arm.follow(joints[-1], pose)[-1])
+            else:
+                joints.append(arm.inverse(pose, near=joints[-1] if joints else None))
+        except UnreachableError as error:
+            raise UnreachableError(f"stop {i} of {len(poses)}: {error}") from error
+    return np.array(joints).reshape(-1, 6)
+
+
+def _is_short(a: Array, b: Array) -> bool:
+    turn = Rotation.from_matrix(a[:3, :3].T @ b[:3, :3]).magnitude()
+    return bool(np.linalg.norm(b[:3, 3] - a[:3, 3]) <= _SHORT_MOVE[0] and np.degrees(turn) <= _SHORT_MOVE[1])

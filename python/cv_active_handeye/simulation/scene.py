@@ -1,0 +1,143 @@
+# SPDX-FileCopyrightText: 2026 active_handeye contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The workbench: geometry, textures and baked light. Frame: bench centre, z up, metres.
+
+All surfaces are matt, so their radiance does not depend on the view: the lamp's light with its shadows is computed
+once, when the scene is built, and multiplied into the textures.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from .parts import Array, Patch
+from .texture import STYLES, synthesize, tile
+
+_LIGHT_STEP = 0.001  # grid of the baked light, metres
+_LIFT = 2e-5  # start of a shadow ray above its surface, metres
+
+
+@dataclass(frozen=True)
+class Hits:
+    """What N rays met. triangle -1 (and NaN elsewhere) = nothing; depth in units of the ray's direction vector."""
+
+    triangle: NDArray[np.int64]
+    depth: Array
+
+
+@dataclass(frozen=True)
+class Lamp:
+    """A square lamp of `width` metres facing down at `position`; `power` = irradiance straight below at z = 0."""
+
+    position: tuple[float, float, float]
+    width: float
+    power: float
+
+    def samples(self) -> Array:
+        """Return nine points (9, 3) on the lamp."""
+        offset = np.array([-1.0, 0.0, 1.0]) * self.width / 2
+        x, y = np.meshgrid(offset, offset)
+        return np.array(self.position) + np.stack([x.ravel(), y.ravel(), np.zeros(9)], axis=1)
+
+
+class Scene:
+    """Ray-castable textured triangles.
+
+    patches: the parts; texel_mm: edge of a texel; lamps and ambient: light (irradiance 1 = white paper at radiance 1);
+    repeat_mm: 0 for natural texture, else the period of one tile on all surfaces; rng: source of all randomness.
+    """
+
+    def __init__(self, patches: list[Patch], texel_mm: float, lamps: list[Lamp], ambient: float, repeat_mm: float,
+                 rng: np.random.Generator) -> None:
+        if not trimesh.ray.has_embree:
+            raise ImportError("the simulation needs the package embreex: pip install 'cv_active_handeye[sim]'")
+        self.patches = patches
+        self._build_triangles(patches, texel_mm)
+        mesh = trimesh.Trimesh(self._corners.reshape(-1, 3), np.arange(3 * len(self._corners)).reshape(-1, 3),
+                               process=False)
+        self._caster = mesh.ray
+        self._bake(texel_mm, lamps, ambient, repeat_mm, rng)
+
+    def _build_triangles(self, patches: list[Patch], texel_mm: float) -> None:
+        self._corners = np.concatenate([p.vertices[p.faces] for p in patches])
+        a, b, c = self._corners.transpose(1, 0, 2)
+        normal = np.cross(b - a, c - a)
+        self.normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+        self.offset = np.einsum("ij,ij->i", self.normal, a)
+        self.patch_index = np.repeat(np.arange(len(patches)), [len(p.faces) for p in patches])
+        self.surface_id = np.array([p.surface_id for p in patches])[self.patch_index]
+        texel = texel_mm / 1000
+        self._axes = np.stack([p.axes for p in patches]) / texel
+        self._origin = np.stack([p.axes @ p.origin for p in patches]) / texel
+        self._shape = np.array([[int(p.size[1] / texel) + 3, int(p.size[0] / texel) + 3] for p in patches])
+        self._start = np.concatenate([[0], np.cumsum(self._shape.prod(axis=1))])
+
+    def _bake(self, texel_mm: float, lamps: list[Lamp], ambient: float, repeat_mm: float,
+              rng: np.random.Generator) -> None:
+        self.albedo = np.empty(self._start[-1], np.float32)
+        self.radiance = np.empty(self._start[-1], np.float32)
+        for i, patch in enumerate(self.patches):
+            shape = (int(self._shape[i, 0]), int(self._shape[i, 1]))
+            if repeat_mm > 0:
+                albedo = tile(shape, texel_mm, np.random.default_rng(7), repeat_mm)
+            else:
+                albedo = synthesize(STYLES[patch.style], shape, texel_mm, rng)
+            span = slice(self._start[i], self._start[i + 1])
+            self.albedo[span] = albedo.ravel()
+            self.radiance[span] = (albedo * self._light(patch, shape, texel_mm, lamps, ambient)).ravel()
+
+    def _light(self, patch: Patch, shape: tuple[int, int], texel_mm: float, lamps: list[Lamp],
+               ambient: float) -> NDArray[np.float32]:
+        rows, columns = (max(2, round(size * texel_mm / 1000 / _LIGHT_STEP)) for size in shape)
+        edge = np.array(shape) * texel_mm / 1000
+        v, u = np.meshgrid((np.arange(rows) + 0.5) * edge[0] / rows, (np.arange(columns) + 0.5) * edge[1] / columns,
+                           indexing="ij")
+        point, normal = patch.points(np.clip(u, 1e-4, patch.size[0] - 1e-4), np.clip(v, 1e-4, patch.size[1] - 1e-4))
+        light = ambient * (0.6 + 0.4 * normal[..., 2])
+        for lamp in lamps:
+            for source in lamp.samples():
+                light = light + lamp.power / 9 * self._lamp_light(point, normal, source)
+        return cv2.resize(light.astype(np.float32), (shape[1], shape[0]), interpolation=cv2.INTER_LINEAR)
+
+    def _lamp_light(self, point: Array, normal: Array, source: Array) -> Array:
+        ray = source - point
+        distance = np.linalg.norm(ray, axis=-1)
+        cosine = np.maximum(0.0, np.einsum("...i,...i->...", ray, normal)) / distance
+        lit = np.flatnonzero(cosine.ravel() > 0)
+        start = (point + _LIFT * normal).reshape(-1, 3)[lit]
+        free = self._caster.intersects_first(start, ray.reshape(-1, 3)[lit]) < 0
+        out = np.zeros(cosine.size)
+        out[lit[free]] = (cosine * (source[2] / distance) ** 2).ravel()[lit[free]]
+        return out.reshape(cosine.shape)
+
+    def cast(self, origin: Array, directions: Array) -> Hits:
+        """Return the first triangle on each ray from one `origin` (3,) along `directions` (N, 3), seen from outside.
+
+        Embree (float32) chooses the triangle; the depth comes from its plane in float64.
+        """
+        triangle = self._caster.intersects_first(np.broadcast_to(origin, directions.shape), directions)
+        hit = triangle >= 0
+        index = triangle[hit]
+        depth = np.full(len(directions), np.nan)
+        height = self.offset[index] - self.normal[index] @ origin
+        depth[hit] = height / np.einsum("ij,ij->i", self.normal[index], directions[hit])
+        return Hits(triangle, depth)
+
+    def sample(self, image: NDArray[np.float32], triangle: NDArray[np.int64], point: Array) -> NDArray[np.float32]:
+        """Return the texture `image` (`albedo` or `radiance`), bilinear, at points (N, 3) on triangles (N,)."""
+        patch = self.patch_index[triangle]
+        where = np.einsum("nij,nj->ni", self._axes[patch], point) - self._origin[patch]
+        shape = self._shape[patch]
+        where = np.clip(where, 0.0, shape[:, ::-1] - 1.001)
+        cell = where.astype(np.int64)
+        fu, fv = (where - cell).T.astype(np.float32)
+        stride = shape[:, 0 + 1]
+        index = self._start[patch] + cell[:, 1] * stride + cell[:, 0]
+        top = image[index] * (1 - fu) + image[index + 1] * fu
+        bottom = image[index + stride] * (1 - fu) + image[index + stride + 1] * fu
+        return np.asarray(top * (1 - fv) + bottom * fv, dtype=np.float32)

@@ -1,0 +1,73 @@
+# SPDX-FileCopyrightText: 2026 active_handeye contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The true parameters of a simulated cell: a file of its own, never inside a data set."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import yaml
+from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer
+
+from ..files import (
+    FloatArray,
+    Rotation,
+    Vector3,
+    check_schema_version,
+    finite_array,
+    read_yaml,
+    validate,
+    write_atomic,
+)
+
+_MARKER = "dataset.yaml"
+
+
+def _array(*shape: int) -> Any:
+    return Annotated[
+        FloatArray, BeforeValidator(lambda value: finite_array(value, shape)), PlainSerializer(lambda a: a.tolist())
+    ]
+
+
+class TrueView(BaseModel):
+    """The pose the flange really had at one stop, metres."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
+
+    R_gripper2base: Rotation
+    t_gripper2base: Vector3
+
+
+class Truth(BaseModel):
+    """What a calibration of the cell should find. camera_matrix (3, 3) px; distortion_coefficients (5,);
+    R_cam2gripper (3, 3), t_cam2gripper (3,) m; light_plane (nx, ny, nz, d), n.X = d in the camera frame, m;
+    views: the true poses of the recording, in its order."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
+
+    schema_version: Literal[1] = 1
+    units: Literal["m"] = "m"
+    seed: int
+    camera_matrix: _array(3, 3)  # type: ignore[valid-type]
+    distortion_coefficients: _array(5)  # type: ignore[valid-type]
+    R_cam2gripper: Rotation
+    t_cam2gripper: Vector3
+    light_plane: _array(4)  # type: ignore[valid-type]
+    views: tuple[TrueView, ...] = ()
+
+    def save(self, path: str | Path) -> None:
+        """Writes YAML; ValueError if `path` lies in a data set, where a calibration could come across it."""
+        target = Path(path).resolve()
+        for folder in target.parents:
+            if (folder / _MARKER).exists():
+                raise ValueError(f"path: the truth must stay outside data sets, but {target} is inside the one in {folder}")
+        text = yaml.safe_dump(self.model_dump(), sort_keys=False, default_flow_style=None, width=200)
+        write_atomic(target, text.encode())
+
+    @classmethod
+    def load(cls, path: str | Path) -> Truth:
+        """Reads a file of `save`; `FileFormatError` names what cannot be read."""
+        content = read_yaml(Path(path), "truth")
+        check_schema_version(Path(path), content, "truth", 1)
+        return validate(cls, content, Path(path))
