@@ -21,8 +21,8 @@ def workbench(rng: np.random.Generator) -> list[Patch]:
     corners = np.array([[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]]) / 2
     parts = [polygon_patch("bench", "bench", corners)]
     parts += _weld_joint(_near(0.004, -0.008, 0.016, (0, 0, 2), rng))
-    parts += plate("plate left", "rust", (0.075, 0.175, 0.006), _near(-0.112, 0.006, 0.034, (4, 21, -5), rng))
-    parts += plate("plate right", "paint", (0.080, 0.150, 0.006), _near(0.112, -0.022, 0.030, (-5, -17, 4), rng))
+    parts += plate("plate left", "rust", (0.075, 0.175, 0.006), _near(-0.098, 0.006, 0.034, (4, 21, -5), rng))
+    parts += plate("plate right", "paint", (0.080, 0.150, 0.006), _near(0.104, -0.022, 0.030, (-5, -17, 4), rng))
     parts += plate("ramp", "stone", (0.110, 0.080, 0.006), _near(-0.005, 0.146, 0.032, (19, 3, 10), rng))
     parts += box("box tall", "card", (0.046, 0.040, 0.058), _near(0.128, 0.104, 0.0, (0, 0, 24), rng))
     parts += box("box flat", "card", (0.070, 0.052, 0.022), _near(-0.118, 0.142, 0.0, (0, 0, -13), rng))

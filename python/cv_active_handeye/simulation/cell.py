@@ -33,7 +33,7 @@ _HARDWARE, _SCENE, _ROBOT, _SENSOR = range(4)  # keys of the independent random 
 _LAMPS = [Lamp((-0.35, 0.30, 0.9), 0.12, 0.62), Lamp((0.5, -0.1, 1.1), 0.25, 0.30)]
 _AMBIENT, _AMBIENT_WITHOUT_LAMP = 0.22, 1.0
 _AIM = np.array([0.0, 0.0, 0.02])
-_BENCH = {"denso_vp6242": ((0.304, 0.0, -0.351), 90.0), "ur5e": ((0.50, 0.0, -0.10), 90.0)}  # bench in base, heading
+_BENCH = {"denso_vp6242": (0.304, 0.0, -0.351), "ur5e": (0.50, 0.0, -0.10)}  # its centre in the base frame
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class SimulatedCell:
         self.camera = _camera(self.config, rng)
         self._T_cam2gripper = _mounting(rng)
         self.laser = _laser(self.config, rng)
-        self._T_bench2base, self._heading = _bench_pose(self.config, rng)
+        self._T_bench2base = _bench_pose(self.config, rng)
         self.scene = _scene(self.config)
         self._errors = RobotErrors(self.config, _ROBOT)
         sensor = Sensor(self.config.full_well_electrons, self.config.read_noise_electrons, self.config.bit_depth)
@@ -71,7 +71,7 @@ class SimulatedCell:
     def plan(self) -> list[Array]:
         """Return the 14 commanded poses (4, 4), gripper to base, of the default recording, all reachable."""
         to_gripper = np.linalg.inv(self._T_cam2gripper)
-        cameras = motion.camera_poses(motion.default_looks(), _AIM, self._heading)
+        cameras = motion.camera_poses(motion.default_looks(), _AIM)
         poses = [self._T_bench2base @ pose @ to_gripper for pose in cameras]
         motion.check_motion(self.arm, poses)
         return poses
@@ -170,10 +170,10 @@ def _laser(config: CellConfig, rng: np.random.Generator) -> Laser:
                  motion.STAND_OFF)
 
 
-def _bench_pose(config: CellConfig, rng: np.random.Generator) -> tuple[Array, float]:
-    where, heading = _BENCH[config.robot]
-    turn = Rotation.from_rotvec(np.radians(rng.uniform(-0.5, 0.5, 3)))
-    return _pose(turn, np.array(where) + rng.uniform(-0.003, 0.003, 3)), heading
+def _bench_pose(config: CellConfig, rng: np.random.Generator) -> Array:
+    """The bench's y axis points to the robot, so that the robot's arm reaches over it from above the image."""
+    turn = Rotation.from_rotvec(np.radians(rng.uniform(-0.5, 0.5, 3))) * Rotation.from_euler("z", 90, degrees=True)
+    return _pose(turn, np.array(_BENCH[config.robot]) + rng.uniform(-0.003, 0.003, 3))
 
 
 def _scene(config: CellConfig) -> Scene:

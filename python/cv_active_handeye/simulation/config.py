@@ -53,7 +53,7 @@ class CellConfig(BaseModel):
     bit_depth: Literal[8, 16] = 8
     lamp: bool = True
     laser: bool = True
-    laser_power: float = Field(default=0.75, ge=0)
+    laser_power: float = Field(default=0.95, ge=0)
     laser_sigma_mm: float = Field(default=0.65, gt=0)
     laser_speckle: float = Field(default=0.06, ge=0)
     samples_per_axis: int = Field(default=2, ge=2, le=8)

@@ -38,13 +38,13 @@ def default_looks() -> list[Look]:
     ]
 
 
-def camera_poses(looks: list[Look], aim: Array, heading_deg: float) -> list[Array]:
+def camera_poses(looks: list[Look], aim: Array) -> list[Array]:
     """Return camera poses (4, 4) in the bench frame.
 
-    aim: point (3,) of the bench that the first stop of each orientation looks at; heading_deg: turn of the image about
-    the vertical (0 = image x along bench x, looking straight down).
+    aim: point (3,) of the bench that the first stop of each orientation looks at. Without turn the camera looks
+    straight down with the image's x along the bench's x.
     """
-    down = Rotation.from_euler("z", heading_deg, degrees=True) * Rotation.from_euler("x", 180, degrees=True)
+    down = Rotation.from_euler("x", 180, degrees=True)
     out = []
     for look in looks:
         R = (down * Rotation.from_euler("xyz", look.euler_deg, degrees=True)).as_matrix()

@@ -86,7 +86,7 @@ class Scene:
             if repeat_mm > 0:
                 albedo = tile(shape, texel_mm, np.random.default_rng(7), repeat_mm)
             else:
-                albedo = synthesize(STYLES[patch.style], shape, texel_mm, rng)
+                albedo = synthesize(STYLES[patch.style], shape, texel_mm, rng)[::-1]  # rows go up on the part
             span = slice(self._start[i], self._start[i + 1])
             self.albedo[span] = albedo.ravel()
             self.radiance[span] = (albedo * self._light(patch, shape, texel_mm, lamps, ambient)).ravel()
@@ -136,7 +136,7 @@ class Scene:
         where = np.clip(where, 0.0, shape[:, ::-1] - 1.001)
         cell = where.astype(np.int64)
         fu, fv = (where - cell).T.astype(np.float32)
-        stride = shape[:, 0 + 1]
+        stride = shape[:, 1]
         index = self._start[patch] + cell[:, 1] * stride + cell[:, 0]
         top = image[index] * (1 - fu) + image[index + 1] * fu
         bottom = image[index + stride] * (1 - fu) + image[index + stride + 1] * fu
