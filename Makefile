@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 active_handeye contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+#   make demo      calibrate a simulated robot cell from its images; results in out/demo
+#   make test      C++ and Python tests
+#   make lint      formatting, ruff, mypy, generated stubs
+#   make bench     the benchmarks behind the tables of the README
+#   make sanitize  C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
+#   make setup     only what these have in common: system packages, virtual environment, build
+# Everything goes into .venv, build and out. A second run builds only what changed and fetches nothing.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+BUILD := build/python
+JOBS ?= $(shell nproc)
+
+export PATH := $(CURDIR)/$(BIN):$(PATH)
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+export PIP_RETRIES ?= 8
+export PIP_DEFAULT_TIMEOUT ?= 60
+export CMAKE_BUILD_PARALLEL_LEVEL ?= $(JOBS)
+
+CMAKE_FILES := CMakeLists.txt $(shell find cmake modules python/bindings -name CMakeLists.txt -o -name '*.cmake' -o -name '*.map')
+CPP_FILES := $(shell find modules/active_handeye/include modules/active_handeye/src python/bindings -name '*.[ch]pp')
+
+.PHONY: setup demo test test-cpp test-python lint format stubs bench sanitize clean distclean system-packages
+.DELETE_ON_ERROR:
+
+setup: $(VENV)/.installed
+
+system-packages:
+	@scripts/system-packages $(PYTHON)
+
+$(BIN)/python: | system-packages
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/.requirements: pyproject.toml scripts/requirements.py | $(BIN)/python
+	$(BIN)/python scripts/requirements.py dev >$@.txt
+	$(BIN)/python -m pip install --quiet --requirement $@.txt
+	@touch $@
+
+$(VENV)/.installed: $(VENV)/.requirements $(CMAKE_FILES) $(CPP_FILES)
+	$(BIN)/python -m pip install --quiet --no-build-isolation --no-deps --editable .
+	@touch $@
+
+demo: setup
+	$(BIN)/cv-active-handeye demo --output out/demo
+
+test: test-cpp test-python
+
+test-cpp: setup
+	@cmake -S . -B $(BUILD) -DACTIVE_HANDEYE_BUILD_TESTS=ON >$(BUILD)/configure.log || { cat $(BUILD)/configure.log; exit 1; }
+	@cmake --build $(BUILD) --target tests
+	$(BUILD)/bin/active_handeye_test --gtest_brief=1
+
+test-python: test-cpp
+	$(BIN)/python -m pytest
+
+lint: setup
+	git ls-files -z '*.cpp' '*.hpp' | xargs -0 $(BIN)/clang-format --dry-run -Werror
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/python scripts/stubs.py --check
+
+format: setup
+	git ls-files -z '*.cpp' '*.hpp' | xargs -0 $(BIN)/clang-format -i
+	$(BIN)/ruff check --fix .
+
+stubs: setup
+	$(BIN)/python scripts/stubs.py
+
+bench: setup
+	for script in benchmark/[a-z]*.py; do echo "== $$script" && $(BIN)/python $$script || exit 1; done
+
+sanitize: setup
+	@cmake --preset asan-ubsan >/dev/null
+	@cmake --build --preset asan-ubsan
+	build/asan-ubsan/bin/active_handeye_test --gtest_brief=1
+
+clean:
+	rm -rf build out .mypy_cache .ruff_cache .pytest_cache $(VENV)/.installed
+
+distclean: clean
+	rm -rf $(VENV)
