@@ -54,14 +54,14 @@ def _unpack(value: Any) -> Any:
     return np.array(data, dtype=np.float64).reshape(rows, cols)
 
 
-def _camera_matrix(value: Any) -> FloatArray:
+def check_camera_matrix(value: Any) -> FloatArray:
     K = finite_array(_unpack(value), (3, 3))
     if K[2].tolist() != [0, 0, 1] or K[1, 0] != 0 or K[0, 0] <= 0 or K[1, 1] <= 0:
         raise ValueError(f"needs [[fx, skew, cx], [0, fy, cy], [0, 0, 1]] with positive fx, fy, given {K.tolist()}")
     return K
 
 
-def _distortion(value: Any) -> FloatArray:
+def check_distortion(value: Any) -> FloatArray:
     coefficients = finite_array(np.asarray(_unpack(value), dtype=np.float64).reshape(-1), (None,))
     if len(coefficients) not in (4, 5, 8, 12, 14):
         raise ValueError(f"needs 4, 5, 8, 12 or 14 numbers (zeros = no distortion), given {len(coefficients)}")
@@ -114,11 +114,11 @@ class Calibration(BaseModel):
     dataset_sha256: str = ""
     units: Literal["m"] = "m"
     method: Literal["closed_form"] = "closed_form"
-    fixed: tuple[str, ...] = ()
+    constraints: tuple[str, ...] = ()
     image_width: int = Field(gt=0)
     image_height: int = Field(gt=0)
-    camera_matrix: Annotated[FloatArray, BeforeValidator(_camera_matrix)]
-    distortion_coefficients: Annotated[FloatArray, BeforeValidator(_distortion)]
+    camera_matrix: Annotated[FloatArray, BeforeValidator(check_camera_matrix)]
+    distortion_coefficients: Annotated[FloatArray, BeforeValidator(check_distortion)]
     R_cam2gripper: Annotated[FloatArray, _from_file(rotation_matrix)]
     t_cam2gripper: Annotated[FloatArray, _from_file(vector3)]
     light_plane: Annotated[FloatArray | None, BeforeValidator(_light_plane)] = None
@@ -201,12 +201,13 @@ def read_camera(path: str | Path) -> tuple[FloatArray, FloatArray]:
         raise FileFormatError(f"{path}: there is no such file")
     try:
         storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
-        K, D = storage.getNode("camera_matrix").mat(), storage.getNode("distortion_coefficients").mat()
+        K: Any = storage.getNode("camera_matrix").mat()
+        D: Any = storage.getNode("distortion_coefficients").mat()
     except cv2.error as error:
         raise FileFormatError(f"{path}: cv::FileStorage cannot read it: {error}") from error
     if K is None:
         raise FileFormatError(f"{path}: key 'camera_matrix' is missing")
     try:
-        return _camera_matrix(K), _distortion(np.zeros(5) if D is None else D)
+        return check_camera_matrix(K), check_distortion(np.zeros(5) if D is None else D)
     except ValueError as error:
         raise FileFormatError(f"{path}: {error}") from error

@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 active_handeye contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The whole job on a simulated cell: record, calibrate from the images alone, compare with the truth, draw."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+from ..calibration import Calibration
+from ..dataset import Dataset
+from ..report import CalibrationErrors, calibration_errors
+from ..simulation import CellConfig, Truth
+from .calibrate import calibrate_with_evidence
+from .pictures import draw_pictures
+from .reporter import Reporter, Silent
+from .simulate import simulate
+
+MARKER = ".active_handeye_demo"
+LIMITS = CalibrationErrors(
+    fx_percent=0.45,
+    fy_percent=0.45,
+    cx_px=8.0,
+    cy_px=8.0,
+    rotation_deg=0.15,
+    translation_mm=1.5,
+    plane_normal_deg=0.3,
+    plane_offset_mm=1.5,
+)
+"""Three times what the median of ten seeds has to reach: a demo beyond it is not usable."""
+
+
+@dataclass(frozen=True)
+class DemoResult:
+    """What the demo found, the truth it is measured by, and the pictures it drew."""
+
+    folder: Path
+    calibration: Calibration
+    truth: Truth
+    errors: CalibrationErrors
+    pictures: tuple[Path, ...]
+    limits: CalibrationErrors = LIMITS
+
+    def beyond_limits(self) -> list[str]:
+        """Names of the errors that exceed `limits`, or could not be determined; empty = usable."""
+        found = []
+        for field in fields(CalibrationErrors):
+            error, limit = getattr(self.errors, field.name), getattr(self.limits, field.name)
+            if error is None or not error <= limit:
+                found.append(field.name)
+        return found
+
+
+def demo(folder: str | Path, config: CellConfig | None = None, reporter: Reporter | None = None) -> DemoResult:
+    """Writes `dataset/`, `truth.yaml`, `calibration.yaml` and `pictures/` into `folder`.
+
+    Replaces the folder of an earlier demo; FileExistsError for a folder that holds anything else.
+    """
+    folder, reporter = Path(folder), reporter or Silent()
+    prepare_folder(folder)
+    _, truth = simulate(folder / "dataset", folder / "truth.yaml", config, reporter)
+    dataset = Dataset.open(folder / "dataset")
+    calibration, evidence = calibrate_with_evidence(dataset, reporter=reporter)
+    calibration.save(folder / "calibration.yaml")
+    progress = reporter.step("drawing")
+    pictures = draw_pictures(folder / "pictures", dataset, calibration, evidence)
+    progress(1, 1)
+    return DemoResult(folder, calibration, truth, calibration_errors(calibration, truth), pictures)
+
+
+def prepare_folder(folder: Path) -> None:
+    """Makes `folder` an empty demo folder, and touches nothing that no demo wrote."""
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        if not (folder / MARKER).is_file():
+            raise FileExistsError(f"{folder}: exists and was not written by the demo; choose another folder")
+        for name in ("dataset", "pictures"):
+            shutil.rmtree(folder / name, ignore_errors=True)
+        for name in ("truth.yaml", "calibration.yaml"):
+            (folder / name).unlink(missing_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / MARKER).write_text("Written by the demo, which may replace what is in this folder.\n", encoding="utf-8")
