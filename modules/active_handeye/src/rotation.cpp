@@ -1,0 +1,185 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include "motion_groups.hpp"
+#include "normalization.hpp"
+#include "track_fit.hpp"
+
+namespace cv { namespace active_handeye {
+
+using Eigen::Matrix3d;
+using Eigen::Matrix4d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::Vector4d;
+
+namespace {
+
+const double smallestTurn = 0.1; // degrees: less does not count as a change of orientation
+
+//! Which directions of t_cam2gripper the changes of orientation show.
+struct TurnDirections
+{
+    explicit TurnDirections(const AlignedVector<Pose>& gripper2base)
+    {
+        Matrix3d mean = Matrix3d::Zero(), scatter = Matrix3d::Zero();
+        for (const Pose& pose : gripper2base)
+            mean += pose.R / double(gripper2base.size());
+        for (const Pose& pose : gripper2base)
+            scatter += (pose.R - mean).transpose() * (pose.R - mean) / double(gripper2base.size());
+        const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(scatter); // ascending
+        const double threshold = std::pow(smallestTurn * CV_PI / 180, 2);
+        int rank = 0;
+        while (rank < 3 && eigen.eigenvalues()[2 - rank] > threshold)
+            ++rank;
+        observed = eigen.eigenvectors().rightCols(rank);
+        axis = eigen.eigenvectors().col(0);
+        axisInBase = (mean * axis).normalized();
+    }
+
+    MatrixXd observed;    //!< 3 x rank basis, gripper frame
+    Vector3d axis;        //!< the direction least observed: the common axis of all turns, gripper frame
+    Vector3d axisInBase;
+};
+
+//! Residuals linear in X_j and t, method.md section 5: p = (t, 1), lengths in units of the spread of the gripper positions.
+class RotationProblem : public TrackProblem<4>
+{
+public:
+    RotationProblem(const AlignedVector<Pose>& gripper2base, const std::vector<Pixels>& ideal, const Matrix3d& K, const Matrix3d& R_cam2gripper,
+                    const MatrixXd& observed)
+        : observed_(observed)
+    {
+        std::vector<const Pixels*> all;
+        std::vector<int> views;
+        Vector3d center = Vector3d::Zero();
+        for (size_t view = 0; view < ideal.size(); ++view)
+        {
+            all.push_back(&ideal[view]);
+            views.push_back(int(view));
+            center += gripper2base[view].t / double(ideal.size());
+        }
+        for (const Pose& pose : gripper2base)
+            length = std::max(length, (pose.t - center).norm());
+        const Normalization T(all);
+        std::vector<Pixels> normalized = ideal;
+        for (Pixels& pixels : normalized)
+            for (Eigen::Vector2d& x : pixels)
+                x = T.apply(x);
+        addTracks(normalized, views, tracks);
+        const Matrix3d toImage = T.matrix() * K * R_cam2gripper.transpose();
+        models.resize(ideal.size());
+        for (size_t view = 0; view < models.size(); ++view)
+        {
+            models[view].G = toImage * gripper2base[view].R.transpose();
+            models[view].D.leftCols<3>() = -toImage;
+            models[view].D.col(3) = -models[view].G * (gripper2base[view].t - center) / std::max(length, 1e-300);
+        }
+        pixelsPerUnit = 1 / T.scale;
+        function = "calibrateHandEyeRotation";
+    }
+
+    Vector4d minimize(const Matrix4d& S) CV_OVERRIDE
+    {
+        const MatrixXd A = observed_.transpose() * S.topLeftCorner<3, 3>() * observed_;
+        Vector4d p;
+        p << -observed_ * A.ldlt().solve(observed_.transpose() * S.topRightCorner<3, 1>()), 1;
+        return p;
+    }
+
+    void updateModels(const Vector4d&) CV_OVERRIDE {}
+    bool mirror(Vector4d&) CV_OVERRIDE { return false; }
+
+    //! Covariance of t for residuals of standard deviation sigma, in units of length^2; what is not observed is infinite.
+    Matrix3d covariance(const Matrix4d& S, double sigma, const Vector3d& axis) const
+    {
+        const MatrixXd A = observed_.transpose() * S.topLeftCorner<3, 3>() * observed_;
+        Matrix3d C = sigma * sigma * observed_ * A.inverse() * observed_.transpose();
+        if (observed_.cols() == 3)
+            return C;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                if (std::abs(axis[i] * axis[j]) > 1e-12)
+                    C(i, j) = std::copysign(std::numeric_limits<double>::infinity(), axis[i] * axis[j]);
+        return C;
+    }
+
+    double length = 0;   //!< unit of length of the problem
+
+private:
+    MatrixXd observed_;
+};
+
+void requireTurns(const TurnDirections& turns, const AlignedVector<Pose>& poses, bool allowPartial)
+{
+    double largest = 0;
+    for (const Pose& pose : poses)
+        largest = std::max(largest, angleBetween(poses[0].R, pose.R));
+    if (turns.observed.cols() == 0)
+        CV_Error(Error::StsNoConv, cv::format("R_gripper2base: no change of orientation, t_cam2gripper is not observed; needed turns of more than %g deg "
+                                              "about two axes that are not parallel, given at most %.3f deg", smallestTurn, largest));
+    if (turns.observed.cols() == 3 || allowPartial)
+        return;
+    const Vector3d a = turns.axis, b = turns.axisInBase, across = b.unitOrthogonal();
+    CV_Error(Error::StsNoConv, cv::format("R_gripper2base: all rotation axes are parallel, t_cam2gripper along the axis is not observed; needed turns about two "
+                                          "axes that are not parallel, given only turns about (%.2f, %.2f, %.2f) in the gripper frame, (%.2f, %.2f, %.2f) in "
+                                          "base coordinates: add a turn about an axis across it, such as (%.2f, %.2f, %.2f) in base coordinates, or "
+                                          "set ROTATION_ALLOW_PARTIAL", a.x(), a.y(), a.z(), b.x(), b.y(), b.z(), across.x(), across.y(), across.z()));
+}
+
+//! Points seen in views of different orientation carry the answer.
+void requireLinks(const Tracks& tracks, const AlignedVector<Pose>& poses, size_t points)
+{
+    int linking = 0;
+    for (int j = 0; j < tracks.count(); ++j)
+    {
+        const Matrix3d& first = poses[tracks.observations[tracks.first[j]].view].R;
+        for (int o = tracks.first[j]; o < tracks.first[j + 1]; ++o)
+            if (angleBetween(first, poses[tracks.observations[o].view].R) > smallestTurn)
+            {
+                ++linking;
+                break;
+            }
+    }
+    if (linking < 2)
+        CV_Error(Error::StsNoConv, cv::format("imagePoints: too few points in common; needed 2 or more points that are seen in views of different "
+                                              "orientation, given %d out of %d points in %d views", linking, int(points), int(poses.size())));
+}
+
+} // namespace
+
+double calibrateHandEyeRotation(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base, InputArrayOfArrays imagePoints,
+                                InputArray cameraMatrix, InputArray distCoeffs, InputArray R_cam2gripper, OutputArray t_cam2gripper,
+                                OutputArray covariance, int flags)
+{
+    CV_TRACE_FUNCTION();
+    const AlignedVector<Pose> poses = readRobotPoses(R_gripper2base, t_gripper2base);
+    std::vector<Pixels> pixels = readImagePoints(imagePoints, poses.size());
+    const Camera camera = readCamera(cameraMatrix, distCoeffs);
+    const Matrix3d R = readRotation(R_cam2gripper, "R_cam2gripper");
+    if (flags & ~int(ROTATION_ALLOW_PARTIAL))
+        CV_Error(Error::StsBadArg, cv::format("flags: needed 0 or ROTATION_ALLOW_PARTIAL (1), given %d", flags));
+    for (Pixels& view : pixels)
+        for (Eigen::Vector2d& x : view)
+            if (x.allFinite())
+                x = camera.idealPixel(x);
+
+    const TurnDirections turns(poses);
+    requireTurns(turns, poses, (flags & ROTATION_ALLOW_PARTIAL) != 0);
+    RotationProblem problem(poses, pixels, camera.K, R, turns.observed);
+    requireLinks(problem.tracks, poses, pixels[0].size());
+    if (!(problem.length > 1e-9 * poses[0].t.norm()))
+        CV_Error(Error::StsNoConv, "t_gripper2base: the gripper only turned, which leaves the scale of t_cam2gripper open; needed views at different "
+                                   "places, given one place: add a translation");
+    const TrackFit<4> fit = fitTracks(problem);
+    const Vector3d t = fit.p.head<3>() * problem.length;
+    writeMatrix(t, t_cam2gripper);
+    const int parameters = int(turns.observed.cols());
+    if (covariance.needed())
+        writeMatrix(problem.covariance(fit.S, fit.sigma(parameters) * problem.length, turns.axis), covariance);
+    return fit.rms() * problem.pixelsPerUnit;
+}
+
+}} // namespace cv::active_handeye

@@ -1,0 +1,218 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include "foe.hpp"
+#include "translations_problem.hpp"
+
+namespace cv { namespace active_handeye {
+
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+
+namespace {
+
+const int allFlags = TRANSLATIONS_FIX_K | TRANSLATIONS_ZERO_SKEW | TRANSLATIONS_SQUARE_PIXELS;
+
+struct Estimate
+{
+    Projection projection;
+    MatrixXd covariance;
+    double rms;
+};
+
+//! Residuals of a projection that something else has found.
+class GivenProjection : public TranslationsProblem
+{
+public:
+    GivenProjection(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Normalization& T, const ProjectionSolver& solver,
+                    const Projection& given)
+        : TranslationsProblem(motion, pixels, T, solver), p_(solver.vector(given)) {}
+
+    Vector9d minimize(const Matrix9d&) CV_OVERRIDE { return p_; }
+    bool mirror(Vector9d&) CV_OVERRIDE { return false; }
+
+private:
+    Vector9d p_;
+};
+
+void requireTracks(const Tracks& tracks, const std::vector<Pixels>& pixels, int parameters)
+{
+    const int equations = 2 * int(tracks.observations.size()) - 3 * tracks.count();
+    if (tracks.count() < 2 || equations < parameters)
+        CV_Error(Error::StsNoConv,
+                 cv::format("imagePoints: too few points in common; needed 2 or more points that are seen in two views of equal orientation, and %d "
+                            "equations, given %d such points with %d equations (2 per image point - 3 per point) out of %d points in %d views",
+                            parameters, tracks.count(), equations, int(pixels[0].size()), int(pixels.size())));
+}
+
+Estimate estimateMetric(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Normalization& T,
+                        const ProjectionSolver& solver)
+{
+    TranslationsProblem problem(motion, pixels, T, solver);
+    requireTracks(problem.tracks, pixels, solver.freeCount());
+    const TrackFit<9> fit = fitTracks(problem);
+    return Estimate{problem.projection, solver.covariance(problem.projection, fit.S, fit.sigma(solver.freeCount())), fit.rms() / T.scale};
+}
+
+//! One translation: its FOE in normalised pixels, with the information on the tangent plane, and the displacement of the gripper.
+struct Expansion
+{
+    Vector3d e;
+    Matrix3d information;
+    Vector3d b;
+    int view;
+};
+
+Expansion expansionOf(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Normalization& T, int from, int to)
+{
+    Pixels x1, x2;
+    for (size_t j = 0; j < pixels[from].size(); ++j)
+        if (pixels[from][j].allFinite() && pixels[to][j].allFinite())
+            x1.push_back(pixels[from][j]), x2.push_back(pixels[to][j]);
+    const double threshold = 2, confidence = 0.999;
+    const FOE foe = estimateFOE(x1, x2, FOE_RANSAC, threshold, confidence, cv::format("imagePoints[%d], imagePoints[%d]", from, to));
+    const Vector3d mapped = T.matrix() * foe.direction;
+    const Vector3d e = mapped.normalized();
+    const Eigen::Matrix<double, 3, 2> basis = tangentBasis(e);
+    const Eigen::Matrix<double, 2, 3> J = basis.transpose() * T.matrix() / mapped.norm();
+    const double floor = 1e-9; // rad: exact data have no noise, but their rounding
+    const Eigen::Matrix2d C = J * foe.covariance * J.transpose() + floor * floor * Eigen::Matrix2d::Identity();
+    return Expansion{e, basis * C.inverse() * basis.transpose(), motion.displacement[to] - motion.displacement[from], to};
+}
+
+//! e_i ~ P b_i (paper, (16)-(17)), weighted by the covariance of every FOE: p^T S p.
+Matrix9d expansionForm(const std::vector<Expansion>& expansions, const Vector9d* p)
+{
+    Matrix9d S = Matrix9d::Zero();
+    for (const Expansion& expansion : expansions)
+    {
+        const Eigen::Matrix<double, 3, 9> D = timesVector(expansion.b);
+        const double length = p ? (D * *p).norm() : expansion.b.norm();
+        const Matrix3d W = p ? expansion.information : Matrix3d(Matrix3d::Identity() - expansion.e * expansion.e.transpose());
+        S += D.transpose() * W * D / (length * length);
+    }
+    return S;
+}
+
+void requireFourDirections(const Matrix9d& S)
+{
+    const Eigen::SelfAdjointEigenSolver<Matrix9d> eigen(S, Eigen::EigenvaluesOnly);
+    if (eigen.eigenvalues()[1] < 1e-7 * eigen.eigenvalues()[8])
+        CV_Error(Error::StsNoConv, "t_gripper2base: TRANSLATIONS_FOE with cameraMatrix unknown needs at least four translations in one group or "
+                                   "over all groups, no three of them coplanar; given fewer: add translations in new directions, or use "
+                                   "TRANSLATIONS_METRIC, which needs three");
+}
+
+Estimate estimateFromFOEs(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Normalization& T,
+                          const ProjectionSolver& solver, int flags)
+{
+    std::vector<Expansion> expansions;
+    for (const MotionGroup& group : motion.groups)
+        for (size_t k = 1; k < group.views.size(); ++k)
+            expansions.push_back(expansionOf(motion, pixels, T, group.views[0], group.views[k]));
+    Matrix9d S = expansionForm(expansions, 0);
+    if (!(flags & TRANSLATIONS_FIX_K))
+        requireFourDirections(S);
+    Projection projection;
+    for (int pass = 0; pass < 3; ++pass)
+    {
+        projection = solver.minimize(S);
+        const Vector9d p = solver.vector(projection);
+        S = expansionForm(expansions, &p);
+    }
+    double agreement = 0;
+    const auto along = [&](const Expansion& x) { return x.e.dot((timesVector(x.b) * solver.vector(projection)).normalized()); };
+    for (const Expansion& expansion : expansions)
+        agreement += along(expansion);
+    if (agreement < 0 && solver.mirror(projection))
+        agreement = -agreement;
+    for (const Expansion& expansion : expansions)
+        if (along(expansion) < 0)
+            CV_Error(Error::StsNoConv, cv::format("t_gripper2base[%d]: the image moved against the translation of the robot; needed poses that belong to "
+                                                  "imagePoints: are they inverted (base2gripper), or in another order?", expansion.view));
+    const Vector9d p = solver.vector(projection);
+    const int redundancy = 2 * int(expansions.size()) - solver.freeCount();
+    const double misfit = redundancy > 0 ? std::sqrt(p.dot(S * p) / redundancy) : 1;
+    GivenProjection given(motion, pixels, T, solver, projection);
+    const TrackFit<9> fit = fitTracks(given);
+    return Estimate{projection, solver.covariance(projection, S, std::max(misfit, 1.)), fit.rms() / T.scale};
+}
+
+std::vector<Pixels> idealPixels(const std::vector<Pixels>& recorded, const Camera& camera)
+{
+    std::vector<Pixels> ideal = recorded;
+    for (Pixels& pixels : ideal)
+        for (Eigen::Vector2d& x : pixels)
+            if (x.allFinite())
+                x = camera.idealPixel(x);
+    return ideal;
+}
+
+Estimate estimateOnce(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Camera& camera, TranslationsMethod method, int flags)
+{
+    std::vector<const Pixels*> all;
+    for (const MotionGroup& group : motion.groups)
+        for (int view : group.views)
+            if (group.views.size() > 1)
+                all.push_back(&pixels[view]);
+    const Normalization T(all);
+    const ProjectionSolver solver(T, motion.directions, flags, camera.K);
+    return method == TRANSLATIONS_FOE ? estimateFromFOEs(motion, pixels, T, solver, flags) : estimateMetric(motion, pixels, T, solver);
+}
+
+//! K unknown, distortion known: removes it with the last K until K stays.
+Estimate estimateWithDistortion(const GroupTranslations& motion, const std::vector<Pixels>& recorded, Camera camera, bool guessed,
+                                TranslationsMethod method, int flags)
+{
+    if (!guessed)
+        camera.K = estimateOnce(motion, recorded, camera, method, flags).projection.K;
+    const int maxRounds = 100;
+    for (int round = 0; round < maxRounds; ++round)
+    {
+        const Estimate estimate = estimateOnce(motion, idealPixels(recorded, camera), camera, method, flags);
+        const double change = (estimate.projection.K - camera.K).cwiseAbs().maxCoeff();
+        camera.K = estimate.projection.K;
+        if (change <= 1e-10 * camera.K(0, 0))
+            return estimate;
+    }
+    CV_Error(Error::StsNoConv, cv::format("distCoeffs: removing the distortion with an unknown cameraMatrix did not settle in %d rounds; needed a weaker "
+                                          "distortion, or cameraMatrix with TRANSLATIONS_FIX_K", maxRounds));
+}
+
+} // namespace
+
+double calibrateHandEyeTranslations(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base, InputArrayOfArrays imagePoints,
+                                    InputOutputArray cameraMatrix, InputArray distCoeffs, OutputArray R_cam2gripper, OutputArray covariance,
+                                    TranslationsMethod method, int flags, double orientationTolerance)
+{
+    CV_TRACE_FUNCTION();
+    const AlignedVector<Pose> poses = readRobotPoses(R_gripper2base, t_gripper2base);
+    const std::vector<Pixels> recorded = readImagePoints(imagePoints, poses.size());
+    if (method != TRANSLATIONS_METRIC && method != TRANSLATIONS_FOE)
+        CV_Error(Error::StsBadArg, cv::format("method: needed TRANSLATIONS_METRIC (0) or TRANSLATIONS_FOE (1), given %d", int(method)));
+    if (flags & ~allFlags)
+        CV_Error(Error::StsBadArg, cv::format("flags: needed a combination of TRANSLATIONS_FIX_K, _ZERO_SKEW and _SQUARE_PIXELS, given %d", flags));
+    readPositive(orientationTolerance, "orientationTolerance");
+    const bool knownK = (flags & TRANSLATIONS_FIX_K) != 0, guessed = !cameraMatrix.empty();
+    Camera camera;
+    if (knownK || guessed)
+        camera = readCamera(cameraMatrix, distCoeffs);
+    else
+        readDistortion(distCoeffs, camera);
+
+    const GroupTranslations motion(poses, orientationTolerance);
+    motion.requireDirections(knownK ? 2 : 3, knownK ? "two that are not parallel" : "three that are not coplanar (two with TRANSLATIONS_FIX_K)");
+    const Estimate estimate = knownK || !camera.hasDistortion()
+                                  ? estimateOnce(motion, idealPixels(recorded, camera), camera, method, flags)
+                                  : estimateWithDistortion(motion, recorded, camera, guessed, method, flags);
+    writeMatrix(estimate.projection.K, cameraMatrix);
+    writeMatrix(estimate.projection.R, R_cam2gripper);
+    if (covariance.needed())
+        writeMatrix(estimate.covariance, covariance);
+    return estimate.rms;
+}
+
+}} // namespace cv::active_handeye

@@ -1,0 +1,132 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include "translations_problem.hpp"
+
+namespace cv { namespace active_handeye {
+
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+
+namespace {
+
+std::string text(const Vector3d& v)
+{
+    return cv::format("(%.2f, %.2f, %.2f)", v.x(), v.y(), v.z());
+}
+
+} // namespace
+
+GroupTranslations::GroupTranslations(const AlignedVector<Pose>& gripper2base, double toleranceDeg)
+    : groups(groupByOrientation(gripper2base, toleranceDeg)), displacement(gripper2base.size(), Vector3d::Zero()),
+      rotation(gripper2base.size(), Matrix3d::Identity()), R_gripper2base(Matrix3d::Identity()), length(0)
+{
+    requireTranslation(groups, gripper2base, toleranceDeg);
+    Matrix3d scatter = Matrix3d::Zero();
+    size_t largest = 0;
+    int moved = 0;
+    for (const MotionGroup& group : groups)
+    {
+        Vector3d mean = Vector3d::Zero();
+        for (int view : group.views)
+        {
+            displacement[view] = group.displacement(gripper2base[group.views[0]], gripper2base[view]);
+            rotation[view] = group.R.transpose() * gripper2base[view].R;
+            mean += displacement[view] / double(group.views.size());
+        }
+        for (int view : group.views)
+        {
+            scatter += (displacement[view] - mean) * (displacement[view] - mean).transpose();
+            length += (displacement[view] - mean).norm();
+            moved += group.views.size() > 1;
+        }
+        if (group.views.size() > largest)
+            largest = group.views.size(), R_gripper2base = group.R;
+    }
+    length /= moved;
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(scatter); // ascending
+    axes = eigen.eigenvectors().rowwise().reverse();
+    const double minimumSpread = 0.01; // of the largest: about half a degree
+    int rank = 0;
+    while (rank < 3 && length > 0 && eigen.eigenvalues()[2 - rank] > minimumSpread * minimumSpread * eigen.eigenvalues()[2])
+        ++rank;
+    directions = axes.leftCols(rank);
+    if (length > 0)
+        for (Vector3d& b : displacement)
+            b /= length;
+}
+
+void GroupTranslations::requireDirections(int needed, const std::string& purpose) const
+{
+    const int given = int(directions.cols());
+    if (given >= needed)
+        return;
+    const Matrix3d base = R_gripper2base * axes;
+    if (given == 0)
+        CV_Error(Error::StsNoConv, "t_gripper2base: the views of equal orientation are all at one place; needed translations: " + purpose +
+                                       ", given none");
+    if (given == 1)
+        CV_Error(Error::StsNoConv, "t_gripper2base: all translations are parallel; needed translations: " + purpose + ", given only along " +
+                                       text(base.col(0)) + " in base coordinates: add one along " + text(base.col(1)) +
+                                       (needed > 2 ? " and one along " + text(base.col(2)) : ""));
+    CV_Error(Error::StsNoConv, "t_gripper2base: all translations are coplanar; needed translations: " + purpose +
+                                   ", given none out of one plane: add one along " + text(base.col(2)) + " in base coordinates");
+}
+
+Eigen::Matrix<double, 3, 9> timesVector(const Vector3d& b)
+{
+    Eigen::Matrix<double, 3, 9> D = Eigen::Matrix<double, 3, 9>::Zero();
+    for (int row = 0; row < 3; ++row)
+        D.block<1, 3>(row, 3 * row) = b.transpose();
+    return D;
+}
+
+TranslationsProblem::TranslationsProblem(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Normalization& T,
+                                         const ProjectionSolver& solver)
+    : motion_(motion), solver_(solver)
+{
+    std::vector<Pixels> normalized = pixels;
+    for (Pixels& view : normalized)
+        for (Eigen::Vector2d& x : view)
+            x = T.apply(x);
+    for (const MotionGroup& group : motion.groups)
+        addTracks(normalized, group.views, tracks);
+    models.resize(pixels.size());
+    for (size_t view = 0; view < models.size(); ++view)
+    {
+        models[view].G.setIdentity();
+        models[view].D = -timesVector(motion.displacement[view]); // x ~ Z - P b
+    }
+    pixelsPerUnit = 1 / T.scale;
+    function = "calibrateHandEyeTranslations";
+}
+
+Vector9d TranslationsProblem::minimize(const Matrix9d& S)
+{
+    projection = solver_.minimize(S);
+    return solver_.vector(projection);
+}
+
+void TranslationsProblem::updateModels(const Vector9d& p)
+{
+    // The orientation of a view differs from its group's by dR, within the tolerance: x ~ P dR^T P^-1 (Z - P b).
+    const Matrix3d P = toMatrix(p), inverse = P.inverse();
+    for (size_t view = 0; view < models.size(); ++view)
+    {
+        models[view].G = P * motion_.rotation[view].transpose() * inverse;
+        models[view].D = -models[view].G * timesVector(motion_.displacement[view]);
+    }
+}
+
+bool TranslationsProblem::mirror(Vector9d& p)
+{
+    if (!solver_.mirror(projection))
+        return false;
+    p = solver_.vector(projection);
+    return true;
+}
+
+}} // namespace cv::active_handeye
