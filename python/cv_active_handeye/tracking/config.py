@@ -24,11 +24,15 @@ class TrackingConfig(BaseModel):
     contrast_threshold: Positive = 0.04
     """SIFT contrast threshold. Lower values give more and worse features."""
 
-    max_features: Annotated[int, Field(ge=50)] = 4000
+    max_features: Annotated[int, Field(ge=50)] = 2000
     """Features kept in one image, strongest first."""
 
     ratio: Fraction = 0.8
     """Largest descriptor distance of a match, as a fraction of the distance to the nearest other feature of either image."""
+
+    copy_distance: Annotated[float, Field(ge=0.0, lt=1.4)] = 0.33
+    """A feature with a copy in its own image that is nearer than this (RootSIFT distance, 0 to 1.4) is ambiguous and not
+    used. On textures that do not repeat, 99 % of the features have no copy nearer than 0.37."""
 
     all_pairs_up_to: Annotated[int, Field(ge=2)] = 16
     """Up to this number of views every pair is matched; beyond it, see `matching.select_pairs`."""

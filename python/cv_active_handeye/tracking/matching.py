@@ -50,28 +50,24 @@ def nearest_copy(features: Features) -> Array32:
     return _distance(similarity.max(axis=1))
 
 
-def match_pair(a: Features, b: Features, copy_a: Array32, copy_b: Array32, ratio: float) -> Indices:
+def match_pair(a: Features, b: Features, copy_a: Array32, copy_b: Array32, config: TrackingConfig) -> Indices:
     """Mutual nearest neighbours that are unambiguous; returns their indices (m, 2).
 
     The ratio test is held against the second nearest of either image and against the nearest copy of the feature in
-    its own image (`nearest_copy`): the copy may lie outside the other image and would go unnoticed there.
+    its own image (`nearest_copy`): the copy may lie outside the other image and would go unnoticed there. Features with
+    a very near copy are not matched at all.
     """
     if len(a) < 2 or len(b) < 2:
         return np.empty((0, 2), np.int64)
     similarity = a.descriptors @ b.descriptors.T
-    rows, columns = np.arange(len(a)), np.arange(len(b))
-    best_b, best_a = similarity.argmax(axis=1), similarity.argmax(axis=0)
-    nearest = similarity[rows, best_b]
-    similarity[rows, best_b] = -1.0
-    second_b = similarity.max(axis=1)
-    similarity[rows, best_b] = nearest
-    similarity[best_a, columns] = -1.0
-    second_a = similarity.max(axis=0)
-    i = np.flatnonzero(best_a[best_b] == rows)
+    best_b = similarity.argmax(axis=1)
+    nearest = similarity[np.arange(len(a)), best_b]
+    i = np.flatnonzero(nearest >= similarity.max(axis=0)[best_b])
     j = best_b[i]
-    found = _distance(nearest[i])
-    limit = np.minimum(_distance(np.maximum(second_b[i], second_a[j])), np.minimum(copy_a[i], copy_b[j]))
-    good = found < ratio * limit
+    similarity[i, j] = -1.0
+    found, second = _distance(nearest[i]), _distance(np.maximum(similarity.max(axis=1)[i], similarity.max(axis=0)[j]))
+    copy = np.minimum(copy_a[i], copy_b[j])
+    good = (found < config.ratio * np.minimum(second, copy)) & (copy > config.copy_distance)
     return np.column_stack([i, j])[good]
 
 

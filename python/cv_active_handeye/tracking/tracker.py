@@ -124,7 +124,7 @@ def _match_views(
     matches: dict[Pair, Indices] = {}
     left_out: dict[Pair, str] = {}
     for a, b in pairs:
-        found = match_pair(features[a], features[b], copies[a], copies[b], config.ratio)
+        found = match_pair(features[a], features[b], copies[a], copies[b], config)
         try:
             same_orientation = bool(group_ids[a] == group_ids[b])
             matches[a, b] = _consistent_matches(found, features[a], features[b], same_orientation, config)
