@@ -22,48 +22,62 @@ GROUP_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9
 """Colours that stay apart for colour-blind readers (Okabe and Ito), then two more."""
 
 UNSURE_COLOUR = "#b0b0b0"
-LINES_AT_MOST = 250
+POINT_COLOUR = "#ffe14d"
+STAR_CELLS = (6, 4)
 
 
 def picture_tracks(
     path: str | Path, image: NDArray[Any], image_points: FloatArray, view: int, group: Sequence[int]
 ) -> None:
-    """Points found in `view`, and where the same points lie in the other views of `group` (views of equal orientation).
+    """Points found in `view`; some of them as stars whose rays end where the other views of `group` see the same point.
 
-    `image_points` (V, N, 2) px with NaN = not seen.
+    `image_points` (V, N, 2) px with NaN = not seen; `group` holds views of equal orientation, so that rays of one
+    colour point to one focus of expansion.
     """
-    figure, axes = _image_axes(image)
-    here = image_points[view]
-    seen = np.isfinite(here).all(axis=1)
-    others = [other for other in group if other != view]
-    handles = []
-    for rank, other in enumerate(others):
-        both = np.flatnonzero(seen & np.isfinite(image_points[other]).all(axis=1))
-        chosen = both[:: max(1, len(both) * len(others) // LINES_AT_MOST)]
+    figure = Figure(figsize=(9.0, 9.0 * image.shape[0] / image.shape[1] + 1.0), layout="constrained")
+    axes = _show_image(figure.add_subplot(), image)
+    here, seen = image_points[view], np.asarray(np.isfinite(image_points).all(axis=2), np.bool_)
+    axes.plot(*here[seen[view]].T, ".", color=POINT_COLOUR, markersize=2.5, markeredgewidth=0)
+    label = f"all {seen[view].sum()} points of view {view}"
+    handles = [Line2D([], [], color=POINT_COLOUR, marker="o", markersize=5, linestyle="none", label=label)]
+    stars = _spread_out(here, seen[list(group)].sum(axis=0) * seen[view], image.shape[1], image.shape[0])
+    for rank, other in enumerate(number for number in group if number != view):
         colour = GROUP_COLOURS[rank % len(GROUP_COLOURS)]
-        lines = np.stack([here[chosen], image_points[other, chosen]], axis=1)
-        axes.add_collection(LineCollection(list(lines), colors=colour, linewidths=1.1, alpha=0.9))
-        handles.append(Line2D([], [], color=colour, label=f"to view {other}: {len(both)} points"))
-    axes.plot(here[seen, 0], here[seen, 1], ".", color="#ffe14d", markersize=2.5, markeredgewidth=0)
-    handles.append(Line2D([], [], color="#ffe14d", marker=".", linestyle="none", label=f"all {seen.sum()} points here"))
-    axes.set_title(f"Tracks: view {view} and the pure translations from it", loc="left")
-    _legend_below(axes, handles)
+        chosen = [j for j in stars if seen[other, j]]
+        rays = np.stack([here[chosen], image_points[other, chosen]], axis=1)
+        axes.add_collection(LineCollection(list(rays), colors=colour, linewidths=1.6))
+        axes.plot(*rays[:, 1].T, "o", color=colour, markersize=4)
+        count = int((seen[view] & seen[other]).sum())
+        handles.append(Line2D([], [], color=colour, linewidth=2.5, label=f"to view {other} ({count} in common)"))
+    axes.plot(*here[stars].T, "o", markerfacecolor=POINT_COLOUR, markeredgecolor="black", markersize=5)
+    axes.set_title(f"Tracks of view {view} into the views of equal orientation", loc="left")
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
     _save(figure, path)
 
 
 def picture_stripe(
     path: str | Path, image: NDArray[Any], segments: Sequence[tuple[FloatArray, int]], view: int
 ) -> None:
-    """Stripe segments ((M, 2) px, surface number or -1 = not sure) over the laser-on `image` of `view`."""
-    figure, axes = _image_axes(image)
+    """Stripe segments ((M, 2) px, surface number or -1 = not sure) over the laser-on `image` of `view`, and zoomed."""
+    vertical = np.ptp(np.vstack([points for points, _ in segments]), axis=0).argmax() == 1
+    figure = Figure(figsize=(9.0, 9.0 * image.shape[0] / image.shape[1] + 3.0), layout="constrained")
+    whole, detail = figure.subplots(2, 1, height_ratios=(3, 1))
+    _show_image(whole, image)
+    detail.imshow(_for_display(image.swapaxes(0, 1) if vertical else image), cmap="gray", aspect="auto")
     handles: dict[int, Line2D] = {}
     for points, surface in segments:
         colour = UNSURE_COLOUR if surface < 0 else GROUP_COLOURS[surface % len(GROUP_COLOURS)]
         label = "surface not sure" if surface < 0 else f"surface {surface}"
-        axes.plot(points[:, 0], points[:, 1], ".", color=colour, markersize=2.2, markeredgewidth=0)
-        handles[surface] = Line2D([], [], color=colour, linewidth=3, label=label)
-    axes.set_title(f"Laser stripe in view {view}: {len(segments)} straight segments", loc="left")
-    _legend_below(axes, [handles[key] for key in sorted(handles)])
+        whole.plot(*points.T, color=colour, linewidth=3)
+        detail.plot(*(points[:, ::-1] if vertical else points).T, ".", color=colour, markersize=3, markeredgewidth=0)
+        handles[surface] = Line2D([], [], color=colour, linewidth=4, label=label)
+    across = np.concatenate([points[:, 0 if vertical else 1] for points, _ in segments])
+    detail.set_ylim(across.max() + 12, across.min() - 12)
+    detail.set(xlabel="v [px]" if vertical else "u [px]", ylabel="u [px]" if vertical else "v [px]")
+    detail.set_title("enlarged across the stripe", loc="left", fontsize="medium")
+    whole.set_title(f"Laser stripe of view {view}: {len(segments)} straight segments and their surfaces", loc="left")
+    ordered = [handles[key] for key in sorted(handles, key=lambda key: (key < 0, key))]
+    figure.legend(handles=ordered, loc="outside lower center", ncols=5, frameon=False)
     _save(figure, path)
 
 
@@ -94,7 +108,8 @@ def picture_motion(
             _draw_flange(axes, R, t, 0.35 * size)
             _draw_frustum(axes, (frustum @ R_cam2gripper.T + 1000 * t_cam2gripper) @ R.T + t, t, colour)
             _draw_line(axes, 1000 * t_gripper2base[views[0]], t, color=colour, linewidth=1.8)
-        text = f"{len(views)} stops, pure translations" if len(views) > 1 else "1 stop"
+        stops = f"{len(views)} stops, pure translations" if len(views) > 1 else "1 stop"
+        text = f"orientation {rank + 1}: {stops}"
         handles.append(Line2D([], [], color=colour, linewidth=3, label=text))
     axes.set_xlabel("base x [mm]", labelpad=10)
     axes.set_ylabel("base y [mm]", labelpad=10)
@@ -102,7 +117,7 @@ def picture_motion(
     axes.set_aspect("equal")
     axes.locator_params(nbins=6)
     axes.view_init(elev=22, azim=-58)
-    axes.set_title("Motion: flange axes (red x, green y, blue z) and camera views, one colour an orientation")
+    axes.set_title("Motion: flange axes (red x, green y, blue z) and what the camera looks at", loc="left")
     axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(0.0, 0.96), frameon=False)
     _save(figure, path)
 
@@ -127,22 +142,25 @@ def _draw_frustum(axes: Any, points: FloatArray, flange: FloatArray, colour: str
         _draw_line(axes, points[k + 1], points[1 + (k + 1) % 4], color=colour, linewidth=1.0, alpha=0.8)
 
 
-def _image_axes(image: NDArray[Any]) -> tuple[Figure, Any]:
-    height, width = image.shape[:2]
-    figure = Figure(figsize=(9.0, 9.0 * height / width + 0.9), layout="constrained")
-    axes: Any = figure.add_subplot()
-    shown = image[:, :, ::-1] if image.ndim == 3 else image
-    axes.imshow(shown, cmap="gray", interpolation="nearest", vmin=0, vmax=float(max(image.max(), 1)))
-    axes.set_xlim(-0.5, width - 0.5)
-    axes.set_ylim(height - 0.5, -0.5)
-    axes.set_xlabel("u [px]")
-    axes.set_ylabel("v [px]")
-    return figure, axes
+def _spread_out(points: FloatArray, views: IntArray, width: int, height: int) -> list[int]:
+    """In every cell of a grid over the image the track that is seen most often (`views` counts; 1 = here only)."""
+    best: dict[tuple[int, int], int] = {}
+    for j in np.flatnonzero(views > 1):
+        cell = (int(points[j, 0] / width * STAR_CELLS[0]), int(points[j, 1] / height * STAR_CELLS[1]))
+        if cell not in best or views[j] > views[best[cell]]:
+            best[cell] = int(j)
+    return list(best.values())
 
 
-def _legend_below(axes: Any, handles: list[Line2D]) -> None:
-    columns = min(max(len(handles), 1), 5)
-    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.09), ncols=columns, frameon=False)
+def _for_display(image: NDArray[Any]) -> NDArray[Any]:
+    colour = image[:, :, ::-1] if image.ndim == 3 else image
+    return np.asarray(colour / max(float(image.max()), 1.0))
+
+
+def _show_image(axes: Any, image: NDArray[Any]) -> Any:
+    axes.imshow(_for_display(image), cmap="gray")
+    axes.set(xlim=(-0.5, image.shape[1] - 0.5), ylim=(image.shape[0] - 0.5, -0.5), xlabel="u [px]", ylabel="v [px]")
+    return axes
 
 
 def _save(figure: Figure, path: str | Path) -> None:
