@@ -55,6 +55,7 @@ def _unpack(value: Any) -> Any:
 
 
 def check_camera_matrix(value: Any) -> FloatArray:
+    """`value` (3, 3, or an OpenCV matrix map) as a read-only camera matrix; ValueError says what it lacks."""
     K = finite_array(_unpack(value), (3, 3))
     if K[2].tolist() != [0, 0, 1] or K[1, 0] != 0 or K[0, 0] <= 0 or K[1, 1] <= 0:
         raise ValueError(f"needs [[fx, skew, cx], [0, fy, cy], [0, 0, 1]] with positive fx, fy, given {K.tolist()}")
@@ -62,6 +63,7 @@ def check_camera_matrix(value: Any) -> FloatArray:
 
 
 def check_distortion(value: Any) -> FloatArray:
+    """`value` (or an OpenCV matrix map) as a read-only vector of OpenCV distortion coefficients; else ValueError."""
     coefficients = finite_array(np.asarray(_unpack(value), dtype=np.float64).reshape(-1), (None,))
     if len(coefficients) not in (4, 5, 8, 12, 14):
         raise ValueError(f"needs 4, 5, 8, 12 or 14 numbers (zeros = no distortion), given {len(coefficients)}")
@@ -174,7 +176,8 @@ def _emit(key: str, value: Any) -> str:
         return ""
     if isinstance(value, np.ndarray):
         matrix = value.reshape(len(value), -1)
-        rows = ",\n           ".join(", ".join(_number(float(x)) for x in row) for row in matrix)
+        lines = [", ".join(_number(float(x)) for x in line) for line in (matrix.T if matrix.shape[1] == 1 else matrix)]
+        rows = ",\n           ".join(lines)
         return f"{key}:\n   rows: {matrix.shape[0]}\n   cols: {matrix.shape[1]}\n   dt: d\n   data: [ {rows} ]\n"
     if isinstance(value, BaseModel):
         inner = {name: getattr(value, name) for name in type(value).model_fields}

@@ -23,6 +23,8 @@ from .dataset_format import CameraInfo, Content, LaserInfo, View
 from .files import FileFormatError, FloatArray, check_schema_version, read_yaml, validate, write_atomic
 from .point_files import read_board_points, read_image_points, write_board_points, write_image_points
 
+__all__ = ["FILE_NAME", "CameraInfo", "Dataset", "Image", "LaserInfo", "View"]
+
 SCHEMA_VERSION = 1
 FILE_NAME = "dataset.yaml"
 IMAGE_FOLDER = "images"
