@@ -83,9 +83,10 @@ class SerialArm:
         return np.minimum(np.asarray(q) - self.lower, np.asarray(self.upper) - q)
 
     def inverse_all(self, pose: Array) -> Array:
-        """Return all joint solutions (S, 6) found for a flange pose, joints wrapped towards the middle of their range."""
-        start = np.random.default_rng(0).uniform(np.maximum(self.lower, -np.pi), np.minimum(self.upper, np.pi),
-                                                 (_STARTS, 6))
+        """Return all joint solutions (S, 6) found for a flange pose, joints wrapped to the middle of their range."""
+        start = np.random.default_rng(0).uniform(
+            np.maximum(self.lower, -np.pi), np.minimum(self.upper, np.pi), (_STARTS, 6)
+        )
         q, error = self._solve(pose, start)
         q = self._wrapped(q[error < _CONVERGED])
         kept: list[Array] = []
@@ -102,6 +103,8 @@ class SerialArm:
         solutions = self.inverse_all(_checked(pose))
         if not len(solutions):
             raise UnreachableError(self._out_of_reach(pose))
+        if near is not None:
+            solutions = self._turned_near(solutions, near)
         allowed = solutions[self._usable(solutions)]
         if not len(allowed):
             raise UnreachableError(self._nearest_refusal(solutions))
@@ -146,8 +149,14 @@ class SerialArm:
         middle = (np.asarray(self.lower) + self.upper) / 2
         return np.asarray(q - 2 * np.pi * np.round((q - middle) / (2 * np.pi)))
 
+    def _turned_near(self, q: Array, near: Array) -> Array:
+        """Add whole turns where the limits allow it, so that no joint unwinds without need."""
+        turned = q + 2 * np.pi * np.round((near - q) / (2 * np.pi))
+        return np.asarray(np.where((turned >= self.lower) & (turned <= self.upper), turned, q))
+
     def _usable(self, q: Array) -> NDArray[np.bool_]:
-        return np.asarray((self.limit_margin(q).min(axis=-1) >= self.margin) & (self.sigma_min(q) >= self.smallest_sigma))
+        within = self.limit_margin(q).min(axis=-1) >= self.margin
+        return np.asarray(within & (self.sigma_min(q) >= self.smallest_sigma))
 
     def _comfort(self, q: Array) -> Array:
         return np.asarray(np.minimum(self.limit_margin(q).min(axis=-1), 5 * self.sigma_min(q)))
@@ -155,18 +164,26 @@ class SerialArm:
     def _out_of_reach(self, pose: Array) -> str:
         shoulder = np.array([0.0, 0.0, self.d[0]])
         wrist = pose[:3, 3] - self.d[5] * pose[:3, 2]
-        return (f"{self.name}: the flange pose at {_mm(pose[:3, 3])} mm is out of reach: its wrist is "
-                f"{1000 * np.linalg.norm(wrist - shoulder):.0f} mm from the shoulder, reach is {1000 * self.reach:.0f} mm")
+        distance = float(np.linalg.norm(wrist - shoulder))
+        return (
+            f"{self.name}: the flange pose at {_mm(pose[:3, 3])} mm cannot be taken: its wrist is "
+            f"{1000 * distance:.0f} mm from the shoulder, reach is {1000 * self.reach:.0f} mm"
+        )
 
     def _nearest_refusal(self, solutions: Array) -> str:
         best = solutions[np.argmax(self.limit_margin(solutions).min(axis=-1))]
         joint = int(np.argmin(self.limit_margin(best)))
         if self.limit_margin(best)[joint] < self.margin:
             low, high, value = np.degrees([self.lower[joint], self.upper[joint], best[joint]])
-            return (f"{self.name}: joint {joint + 1} would be at {value:.1f} deg; its limits are {low:.0f} to {high:.0f} "
-                    f"deg, kept with a margin of {np.degrees(self.margin):.0f} deg")
-        return (f"{self.name}: the pose is near a singularity: smallest singular value {float(self.sigma_min(best)):.3f}, "
-                f"needed {self.smallest_sigma:.3f} or more")
+            return (
+                f"{self.name}: joint {joint + 1} would be at {value:.1f} deg; its limits are {low:.0f} to "
+                f"{high:.0f} deg, kept with a margin of {np.degrees(self.margin):.0f} deg"
+            )
+        sigma = float(self.sigma_min(best))
+        return (
+            f"{self.name}: the pose is near a singularity: smallest singular value {sigma:.3f}, "
+            f"needed {self.smallest_sigma:.3f} or more"
+        )
 
 
 def straight_line(start: Array, end: Array, step_m: float, step_deg: float) -> Array:
@@ -214,14 +231,26 @@ def _rad(*degrees: float) -> tuple[float, ...]:
 ARMS = {
     # Universal Robots, "DH parameters for calculations of kinematics and dynamics".
     "ur5e": SerialArm(
-        name="UR5e", a=(0, -0.425, -0.3922, 0, 0, 0), d=(0.1625, 0, 0, 0.1333, 0.0997, 0.0996),
-        alpha=_rad(90, 0, 0, 90, -90, 0), lower=_rad(*[-360] * 6), upper=_rad(*[360] * 6), reach=0.85),
+        name="UR5e",
+        a=(0, -0.425, -0.3922, 0, 0, 0),
+        d=(0.1625, 0, 0, 0.1333, 0.0997, 0.0996),
+        alpha=_rad(90, 0, 0, 90, -90, 0),
+        lower=_rad(*[-360] * 6),
+        upper=_rad(*[360] * 6),
+        reach=0.85,
+    ),
     # DENSO drawing 001050_1: 280 / 210 / 210 with 75 mm elbow offset / 70 mm. Joint zeros follow the usual reading
     # (all zero but J3 = 90: upper arm up, forearm level) and were not verified on a controller.
     "denso_vp6242": SerialArm(
-        name="DENSO VP-6242", a=(0, 0.21, 0.075, 0, 0, 0), d=(0.28, 0, 0, 0.21, 0, 0.07),
-        alpha=_rad(90, 0, 90, -90, 90, 0), lower=_rad(-160, -120, 20, -160, -120, -360),
-        upper=_rad(160, 120, 160, 160, 120, 360), reach=0.432, sign=(1, -1, -1, 1, -1, 1),
-        offset=_rad(0, 90, 90, 0, 0, 0)),
+        name="DENSO VP-6242",
+        a=(0, 0.21, 0.075, 0, 0, 0),
+        d=(0.28, 0, 0, 0.21, 0, 0.07),
+        alpha=_rad(90, 0, 90, -90, 90, 0),
+        lower=_rad(-160, -120, 20, -160, -120, -360),
+        upper=_rad(160, 120, 160, 160, 120, 360),
+        reach=0.432,
+        sign=(1, -1, -1, 1, -1, 1),
+        offset=_rad(0, 90, 90, 0, 0, 0),
+    ),
 }
 """Known arms by name."""

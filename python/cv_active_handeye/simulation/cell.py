@@ -54,6 +54,7 @@ class SimulatedCell:
     """A robot with camera and line laser over a workbench. Same configuration, same bytes."""
 
     def __init__(self, config: CellConfig | None = None) -> None:
+        """Builds the cell; takes some seconds, most of them for textures and light."""
         self.config = config or CellConfig()
         self.arm = kinematics.arm(self.config.robot)
         rng = np.random.default_rng([self.config.seed, _HARDWARE])
@@ -90,21 +91,32 @@ class SimulatedCell:
         self._captured += 1
         return SimulatedView(reported, image, laser_image, true, stop)
 
-    def record(self, folder: str | Path, progress: Callable[[int, int], None] | None = None,
-               poses: Sequence[Array] | None = None) -> Dataset:
+    def record(
+        self,
+        folder: str | Path,
+        progress: Callable[[int, int], None] | None = None,
+        poses: Sequence[Array] | None = None,
+    ) -> Dataset:
         """Record `poses` (default: `plan()`) into a new data set; `progress` gets (stops done, all stops)."""
         stops = self.plan() if poses is None else [np.asarray(pose, dtype=np.float64) for pose in poses]
         motion.check_motion(self.arm, stops)
         c = self.config
-        camera = CameraInfo(width=c.width, height=c.height, pixel_format="mono8" if c.bit_depth == 8 else "mono16",
-                            name="simulated")
-        dataset = Dataset.create(folder, camera=camera, laser=LaserInfo(name="simulated") if c.laser else None,
-                                 description=f"simulated cell, {self.arm.name}", planned_views=len(stops))
+        camera = CameraInfo(
+            width=c.width, height=c.height, pixel_format="mono8" if c.bit_depth == 8 else "mono16", name="simulated"
+        )
+        dataset = Dataset.create(
+            folder,
+            camera=camera,
+            laser=LaserInfo(name="simulated") if c.laser else None,
+            description=f"simulated cell, {self.arm.name}",
+            planned_views=len(stops),
+        )
         self._recorded = []
         for i, pose in enumerate(stops):
             view = self.capture(pose, i)
-            dataset.add_view(view.T_reported[:3, :3], view.T_reported[:3, 3], image=view.image,
-                             laser_image=view.laser_image)
+            dataset.add_view(
+                view.T_reported[:3, :3], view.T_reported[:3, 3], image=view.image, laser_image=view.laser_image
+            )
             self._recorded.append(view.T_true)
             if progress is not None:
                 progress(i + 1, len(stops))
@@ -114,8 +126,11 @@ class SimulatedCell:
     def truth(self) -> Truth:
         """The true parameters, with the true poses of the last recording."""
         return Truth(
-            seed=self.config.seed, camera_matrix=self.camera.K, distortion_coefficients=self.camera.D,
-            R_cam2gripper=self._T_cam2gripper[:3, :3], t_cam2gripper=self._T_cam2gripper[:3, 3],
+            seed=self.config.seed,
+            camera_matrix=self.camera.K,
+            distortion_coefficients=self.camera.D,
+            R_cam2gripper=self._T_cam2gripper[:3, :3],
+            t_cam2gripper=self._T_cam2gripper[:3, 3],
             light_plane=self.laser.plane,
             views=tuple(TrueView(R_gripper2base=T[:3, :3], t_gripper2base=T[:3, 3]) for T in self._recorded),
         )
@@ -125,8 +140,13 @@ class SimulatedCell:
 
         Exact (no image noise); NaN where view b sees something else, or nothing, there.
         """
-        return exact.correspond(self.scene, self.camera, self._T_cam2bench(view_a.T_true),
-                                self._T_cam2bench(view_b.T_true), np.asarray(points, dtype=np.float64))
+        return exact.correspond(
+            self.scene,
+            self.camera,
+            self._T_cam2bench(view_a.T_true),
+            self._T_cam2bench(view_b.T_true),
+            np.asarray(points, dtype=np.float64),
+        )
 
     def stripe(self, view: SimulatedView) -> StripeTruth:
         """Return where the centre of the stripe crosses each image column, on which surface, exactly."""
@@ -166,8 +186,14 @@ def _laser(config: CellConfig, rng: np.random.Generator) -> Laser:
     n /= np.linalg.norm(n)
     d = float(n @ origin)
     sign = 1.0 if d > 0 else -1.0
-    return Laser(sign * n, sign * d, origin, config.laser_sigma_mm / 1000, config.laser_power if config.laser else 0.0,
-                 motion.STAND_OFF)
+    return Laser(
+        sign * n,
+        sign * d,
+        origin,
+        config.laser_sigma_mm / 1000,
+        config.laser_power if config.laser else 0.0,
+        motion.STAND_OFF,
+    )
 
 
 def _bench_pose(config: CellConfig, rng: np.random.Generator) -> Array:

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 class CellConfig(BaseModel):
     """A simulated cell; the defaults are the hardware of the paper. Unknown keys are refused.
 
-    seed: changes texture, noise, robot errors and, a little, scene, lens and mounting; the same seed gives the same bytes.
+    seed: changes texture, noise, robot errors and, a little, scene, lens and mounting; same seed, same bytes.
     principal_point_px: None = (316.8, 243.3) scaled to the image size, moved a little by the seed.
     distortion: k1, k2, p1, p2, k3 as in OpenCV. The paper neglects distortion, so the default is zero.
     repeatability_mm, repeatability_deg: sigma per axis of the true flange pose about the reported one, drawn per stop.

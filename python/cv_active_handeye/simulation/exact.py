@@ -70,10 +70,11 @@ def stripe(scene: Scene, camera: Camera, laser: Laser, T_cam2scene: Array) -> St
     distance = (hits.depth * (rays @ laser.n) - laser.d).reshape(shape)
     triangle = hits.triangle.reshape(shape)
     row, column = np.nonzero(distance[:-1] * distance[1:] <= 0)
-    found = [_crossings(scene, camera, laser, T_cam2scene, triangle[row + side, column], column, row)
-             for side in (0, 1)]
+    found = [
+        _crossings(scene, camera, laser, T_cam2scene, triangle[row + side, column], column, row) for side in (0, 1)
+    ]
     pixel, tri = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    _, first = np.unique(np.column_stack([pixel[:, 0], np.round(pixel[:, 1], 6)]), axis=0, return_index=True)
+    _, first = np.unique(np.column_stack([pixel[:, 0], np.round(pixel[:, 1], 5)]), axis=0, return_index=True)
     return _described(scene, camera, laser, T_cam2scene, pixel[first], tri[first])
 
 
@@ -84,23 +85,19 @@ def _planes(scene: Scene, T_cam2scene: Array, triangle: NDArray[np.int64]) -> Ar
     return np.column_stack([normal @ T_cam2scene[:3, :3], offset])
 
 
-def _crossings(scene: Scene, camera: Camera, laser: Laser, T_cam2scene: Array, triangle: NDArray[np.int64],
-               column: NDArray[np.intp], row: NDArray[np.intp]) -> tuple[Array, NDArray[np.int64]]:
-    """Solve m(u, v) . (e n - d w) = 0 for v in [row, row + 1] by bisection-safe secant steps; keep visible, lit ones."""
+def _crossings(
+    scene: Scene,
+    camera: Camera,
+    laser: Laser,
+    T_cam2scene: Array,
+    triangle: NDArray[np.int64],
+    column: NDArray[np.intp],
+    row: NDArray[np.intp],
+) -> tuple[Array, NDArray[np.int64]]:
+    """Solve for the rows v in [row, row + 1] where the stripe crosses; keep the visible and lit ones."""
     plane = _planes(scene, T_cam2scene, triangle)
-    line = plane[:, 3:] * laser.n - laser.d * plane[:, :3]
-    low, high = row.astype(np.float64), row + 1.0
-    u = column.astype(np.float64)
-
-    def value(v: Array) -> Array:
-        return np.asarray(np.einsum("ij,ij->i", camera.rays(np.column_stack([u, v])), line))
-
-    at_low, at_high = value(low), value(high)
-    v = low.copy()
-    for _ in range(4):
-        v = low - at_low * (high - low) / np.where(at_high == at_low, 1.0, at_high - at_low)
-        low, at_low = v, value(v)
-    pixel = np.column_stack([u, v])
+    v = _solved_rows(camera, plane[:, 3:] * laser.n - laser.d * plane[:, :3], column, row)
+    pixel = np.column_stack([column, v])
     rays = camera.rays(pixel) @ T_cam2scene[:3, :3].T
     hits = scene.cast(T_cam2scene[:3, 3], rays)
     point = T_cam2scene[:3, 3] + hits.depth[:, None] * rays
@@ -109,13 +106,29 @@ def _crossings(scene: Scene, camera: Camera, laser: Laser, T_cam2scene: Array, t
     return pixel[keep], triangle[keep]
 
 
+def _solved_rows(camera: Camera, line: Array, column: NDArray[np.intp], row: NDArray[np.intp]) -> Array:
+    """Rows v with m(u, v) . line = 0 by secant steps (one is exact without distortion), stopped one row outside."""
+
+    def value(v: Array) -> Array:
+        return np.asarray(np.einsum("ij,ij->i", camera.rays(np.column_stack([column, v])), line), dtype=np.float64)
+
+    low, high = np.asarray(row, dtype=np.float64), np.asarray(row + 1, dtype=np.float64)
+    at_low, at_high = value(low), value(high)
+    for _ in range(5):
+        slope = np.where(at_high == at_low, 1.0, at_high - at_low)
+        v = np.clip(high - at_high * (high - low) / slope, row - 1.0, row + 2.0)
+        low, high, at_low, at_high = high, v, at_high, value(v)
+    return high
+
+
 def _coplanar(scene: Scene, a: NDArray[np.int64], b: NDArray[np.int64]) -> NDArray[np.bool_]:
     same_patch = scene.patch_index[a] == scene.patch_index[b]
     return np.asarray((a >= 0) & (b >= 0) & ((a == b) | (same_patch & (scene.surface_id[a] >= 0))))
 
 
-def _described(scene: Scene, camera: Camera, laser: Laser, T_cam2scene: Array, pixel: Array,
-               triangle: NDArray[np.int64]) -> StripeTruth:
+def _described(
+    scene: Scene, camera: Camera, laser: Laser, T_cam2scene: Array, pixel: Array, triangle: NDArray[np.int64]
+) -> StripeTruth:
     plane = _planes(scene, T_cam2scene, triangle)
     rays = camera.rays(pixel)
     depth = laser.d / (rays @ laser.n)

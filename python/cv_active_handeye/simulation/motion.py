@@ -21,7 +21,10 @@ _TETRAHEDRON = np.array([[0, 0, 0], [1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1
 
 @dataclass(frozen=True)
 class Look:
-    """One orientation: fixed-axis angles (deg) about the image's x, y and the optical axis; stops (N, 3) m, camera frame."""
+    """One orientation: fixed-axis angles (deg) about the image's x, y and the optical axis.
+
+    stops: camera positions (N, 3) relative to the first look, metres, camera frame.
+    """
 
     euler_deg: tuple[float, float, float]
     stops: Array
@@ -29,7 +32,7 @@ class Look:
 
 def default_looks() -> list[Look]:
     """Return the 14 stops: two groups of four translations, then two orientations with two stops each."""
-    group = _TETRAHEDRON * [0.045, 0.040, 0.055]
+    group = _TETRAHEDRON * [0.050, 0.045, 0.075]
     return [
         Look((6, -14, 0), group),
         Look((-6, 14, 0), group),
@@ -64,14 +67,18 @@ def check_motion(arm: SerialArm, poses: list[Array]) -> Array:
     """
     joints: list[Array] = []
     for i, pose in enumerate(poses):
-        try:
-            if joints and _is_short(poses[i - 1], pose):
-                joints.append(arm.follow(joints[-1], pose)[-1])
-            else:
-                joints.append(arm.inverse(pose, near=joints[-1] if joints else None))
-        except UnreachableError as error:
-            raise UnreachableError(f"stop {i} of {len(poses)}: {error}") from error
+        straight = bool(joints) and _is_short(poses[i - 1], pose)
+        joints.append(_next_joints(arm, joints[-1] if joints else None, pose, straight, f"stop {i} of {len(poses)}"))
     return np.array(joints).reshape(-1, 6)
+
+
+def _next_joints(arm: SerialArm, now: Array | None, pose: Array, straight: bool, stop: str) -> Array:
+    try:
+        if straight and now is not None:
+            return np.asarray(arm.follow(now, pose)[-1])
+        return arm.inverse(pose, near=now)
+    except UnreachableError as error:
+        raise UnreachableError(f"{stop}: {error}") from error
 
 
 def _is_short(a: Array, b: Array) -> bool:

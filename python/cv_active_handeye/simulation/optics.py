@@ -52,8 +52,10 @@ class Camera:
         x, y = ideal.T
         r2 = x * x + y * y
         radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
-        return np.stack([x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
-                         y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y], axis=1)
+        return np.stack(
+            [x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y],
+            axis=1,
+        )
 
     def _jacobian(self, ideal: Array) -> Array:
         k1, k2, p1, p2, k3 = self.D
@@ -62,8 +64,15 @@ class Camera:
         radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
         slope = 2 * (k1 + r2 * (2 * k2 + 3 * r2 * k3))  # d radial / d(r2) * 2
         cross = x * y * slope + 2 * p1 * x + 2 * p2 * y
-        return np.stack([radial + x * x * slope + 2 * p1 * y + 6 * p2 * x, cross,
-                         cross, radial + y * y * slope + 6 * p1 * y + 2 * p2 * x], axis=1).reshape(-1, 2, 2)
+        return np.stack(
+            [
+                radial + x * x * slope + 2 * p1 * y + 6 * p2 * x,
+                cross,
+                cross,
+                radial + y * y * slope + 6 * p1 * y + 2 * p2 * x,
+            ],
+            axis=1,
+        ).reshape(-1, 2, 2)
 
 
 def subpixel_grid(camera: Camera, per_axis: int) -> Array:
@@ -76,7 +85,8 @@ def subpixel_grid(camera: Camera, per_axis: int) -> Array:
 def through_lens(signal: NDArray[np.float32], per_axis: int, blur_px: float) -> NDArray[np.float32]:
     """Return the image (H, W) on the sensor from samples (H * s, W * s): Gaussian blur, then pixel areas."""
     if blur_px > 0:
-        signal = cv2.GaussianBlur(signal, (0, 0), blur_px * per_axis, borderType=cv2.BORDER_REPLICATE).astype(np.float32)
+        sigma = blur_px * per_axis
+        signal = cv2.GaussianBlur(signal, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE).astype(np.float32)
     rows, columns = signal.shape
     cells = signal.reshape(rows // per_axis, per_axis, columns // per_axis, per_axis)
     return np.asarray(cells.mean(axis=(1, 3)), dtype=np.float32)
@@ -90,12 +100,13 @@ class Sensor:
     read_noise_electrons: float
     bit_depth: int
 
-    def expose(self, irradiance: NDArray[np.float32], exposure: float,
-               rng: np.random.Generator) -> NDArray[np.uint8] | NDArray[np.uint16]:
+    def expose(
+        self, irradiance: NDArray[np.float32], exposure: float, rng: np.random.Generator
+    ) -> NDArray[np.uint8] | NDArray[np.uint16]:
         """Return the digital image of an irradiance (1 at `exposure` 1 fills the wells)."""
         electrons = np.maximum(irradiance, 0).astype(np.float64) * exposure * self.full_well_electrons
         noisy = electrons + np.sqrt(electrons) * rng.standard_normal(electrons.shape)
         noisy += self.read_noise_electrons * rng.standard_normal(electrons.shape)
         top = 2**self.bit_depth - 1
-        digital = np.clip(np.rint(np.minimum(noisy, self.full_well_electrons) * (top / self.full_well_electrons)), 0, top)
-        return digital.astype(np.uint8) if self.bit_depth == 8 else digital.astype(np.uint16)
+        digital = np.clip(np.rint(noisy * (top / self.full_well_electrons)), 0, top)
+        return np.asarray(digital, np.uint8) if self.bit_depth == 8 else np.asarray(digital, np.uint16)

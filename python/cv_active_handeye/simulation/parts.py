@@ -26,7 +26,8 @@ class Relief:
         """Return height (m) and slope (..., 2) at (u, v) in metres; smooth, for shading."""
         where = np.stack([v, u]) / self.step
         dv, du = np.gradient(self.height, self.step)
-        sample = [map_coordinates(grid, where, order=1, mode="nearest") for grid in (self.height, du, dv)]
+        grids: list[Array] = [self.height, np.asarray(du), np.asarray(dv)]
+        sample = [map_coordinates(grid, where, order=1, mode="nearest") for grid in grids]
         return sample[0], np.stack(sample[1:], axis=-1)
 
 
@@ -92,7 +93,7 @@ def extrusion(name: str, style: str, profile: Array, length: float, where: Array
     The part is centred on y = 0 and then moved by `where` (4 x 4).
     """
     front = np.stack([profile[:, 0], np.full(len(profile), -length / 2), profile[:, 1]], axis=1)
-    back = front + [0.0, length, 0.0]
+    back = front + np.array([0.0, length, 0.0])
     rings = [front] + [
         np.stack([front[i], back[i], back[j], front[j]])
         for i, j in ((k, (k + 1) % len(profile)) for k in range(len(profile)))

@@ -23,6 +23,7 @@ class Renderer:
     """Casts the rays of a stop once and shades them twice."""
 
     def __init__(self, scene: Scene, camera: Camera, laser: Laser, sensor: Sensor, config: CellConfig) -> None:
+        """Prepares the rays of all samples in the camera frame."""
         self._scene, self._laser, self._sensor, self._config = scene, laser, sensor, config
         self._per_axis = config.samples_per_axis
         self._shape = (camera.height * self._per_axis, camera.width * self._per_axis)
@@ -36,8 +37,9 @@ class Renderer:
         image = self._sensor.expose(off, expose, rng)
         return image, None if on is None else self._sensor.expose(on, expose, rng)
 
-    def irradiance(self, T_cam2scene: Array,
-                   rng: np.random.Generator) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
+    def irradiance(
+        self, T_cam2scene: Array, rng: np.random.Generator
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
         """Return the noise-free light on the sensor (H, W), laser off and on; `rng` draws the speckle."""
         R, t = T_cam2scene[:3, :3], T_cam2scene[:3, 3]
         directions = self._rays @ R.T
@@ -52,8 +54,15 @@ class Renderer:
         near = np.flatnonzero(np.abs(hits.depth * self._across - self._laser.d) < self._laser.reach())
         return off, off + self._stripe(T_cam2scene, directions, hits.triangle, hits.depth, near, rng)
 
-    def _stripe(self, T_cam2scene: Array, directions: Array, triangle: NDArray[np.int64], depth: Array,
-                near: NDArray[np.intp], rng: np.random.Generator) -> NDArray[np.float32]:
+    def _stripe(
+        self,
+        T_cam2scene: Array,
+        directions: Array,
+        triangle: NDArray[np.int64],
+        depth: Array,
+        near: NDArray[np.intp],
+        rng: np.random.Generator,
+    ) -> NDArray[np.float32]:
         light = np.zeros(len(directions), np.float32)
         point = T_cam2scene[:3, 3] + depth[near, None] * directions[near]
         albedo = self._scene.sample(self._scene.albedo, triangle[near], point)
@@ -65,8 +74,9 @@ class Renderer:
     def _speckle(self, rng: np.random.Generator) -> NDArray[np.float32]:
         """Grain of one pixel, mean 1, contrast as configured."""
         size = (self._shape[0] // self._per_axis, self._shape[1] // self._per_axis)
-        grain = cv2.resize(rng.standard_normal(size, dtype=np.float32), self._shape[::-1], interpolation=cv2.INTER_CUBIC)
-        return np.maximum(0, 1 + self._config.laser_speckle * grain).astype(np.float32)
+        coarse = rng.standard_normal(size, dtype=np.float32)
+        grain = cv2.resize(coarse, self._shape[::-1], interpolation=cv2.INTER_CUBIC)
+        return np.asarray(np.maximum(0, 1 + self._config.laser_speckle * grain), dtype=np.float32)
 
     def _on_sensor(self, samples: NDArray[np.float32]) -> NDArray[np.float32]:
         return through_lens(samples.reshape(self._shape), self._per_axis, self._config.blur_px)

@@ -18,6 +18,7 @@ class RobotErrors:
     """Turns a commanded flange pose into the reported and the true one; every stop has its own noise."""
 
     def __init__(self, config: CellConfig, key: int) -> None:
+        """Draws the smooth error field; `key` tells the random streams of the cell apart."""
         self._config = config
         self._key = key
         rng = np.random.default_rng([config.seed, key])
@@ -46,8 +47,10 @@ class RobotErrors:
     def absolute(self, position: Array) -> tuple[Array, Array]:
         """Return the smooth error at a flange position: shift (m) and rotation vector (rad), both in the base frame."""
         field = (np.sin(self._wave @ position[:, None] + self._phase) * self._gain).sum(axis=0)
-        return (self._config.absolute_error_mm / 1000 * field[:3],
-                np.radians(self._config.absolute_error_deg) * field[3:])
+        return (
+            self._config.absolute_error_mm / 1000 * field[:3],
+            np.radians(self._config.absolute_error_deg) * field[3:],
+        )
 
 
 def _moved(pose: Array, sigma_mm: float, sigma_deg: float, rng: np.random.Generator) -> Array:

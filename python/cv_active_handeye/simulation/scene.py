@@ -52,14 +52,23 @@ class Scene:
     repeat_mm: 0 for natural texture, else the period of one tile on all surfaces; rng: source of all randomness.
     """
 
-    def __init__(self, patches: list[Patch], texel_mm: float, lamps: list[Lamp], ambient: float, repeat_mm: float,
-                 rng: np.random.Generator) -> None:
+    def __init__(
+        self,
+        patches: list[Patch],
+        texel_mm: float,
+        lamps: list[Lamp],
+        ambient: float,
+        repeat_mm: float,
+        rng: np.random.Generator,
+    ) -> None:
+        """Builds triangles, textures and light; ImportError without embreex."""
         if not trimesh.ray.has_embree:
             raise ImportError("the simulation needs the package embreex: pip install 'cv_active_handeye[sim]'")
         self.patches = patches
         self._build_triangles(patches, texel_mm)
-        mesh = trimesh.Trimesh(self._corners.reshape(-1, 3), np.arange(3 * len(self._corners)).reshape(-1, 3),
-                               process=False)
+        mesh = trimesh.Trimesh(
+            self._corners.reshape(-1, 3), np.arange(3 * len(self._corners)).reshape(-1, 3), process=False
+        )
         self._caster = mesh.ray
         self._bake(texel_mm, lamps, ambient, repeat_mm, rng)
 
@@ -77,32 +86,37 @@ class Scene:
         self._shape = np.array([[int(p.size[1] / texel) + 3, int(p.size[0] / texel) + 3] for p in patches])
         self._start = np.concatenate([[0], np.cumsum(self._shape.prod(axis=1))])
 
-    def _bake(self, texel_mm: float, lamps: list[Lamp], ambient: float, repeat_mm: float,
-              rng: np.random.Generator) -> None:
+    def _bake(
+        self, texel_mm: float, lamps: list[Lamp], ambient: float, repeat_mm: float, rng: np.random.Generator
+    ) -> None:
+        tile_seed = int(rng.integers(2**32))
         self.albedo = np.empty(self._start[-1], np.float32)
         self.radiance = np.empty(self._start[-1], np.float32)
         for i, patch in enumerate(self.patches):
             shape = (int(self._shape[i, 0]), int(self._shape[i, 1]))
             if repeat_mm > 0:
-                albedo = tile(shape, texel_mm, np.random.default_rng(7), repeat_mm)
+                albedo = tile(shape, texel_mm, np.random.default_rng(tile_seed), repeat_mm)
             else:
                 albedo = synthesize(STYLES[patch.style], shape, texel_mm, rng)[::-1]  # rows go up on the part
             span = slice(self._start[i], self._start[i + 1])
             self.albedo[span] = albedo.ravel()
             self.radiance[span] = (albedo * self._light(patch, shape, texel_mm, lamps, ambient)).ravel()
 
-    def _light(self, patch: Patch, shape: tuple[int, int], texel_mm: float, lamps: list[Lamp],
-               ambient: float) -> NDArray[np.float32]:
+    def _light(
+        self, patch: Patch, shape: tuple[int, int], texel_mm: float, lamps: list[Lamp], ambient: float
+    ) -> NDArray[np.float32]:
         rows, columns = (max(2, round(size * texel_mm / 1000 / _LIGHT_STEP)) for size in shape)
         edge = np.array(shape) * texel_mm / 1000
-        v, u = np.meshgrid((np.arange(rows) + 0.5) * edge[0] / rows, (np.arange(columns) + 0.5) * edge[1] / columns,
-                           indexing="ij")
+        v, u = np.meshgrid(
+            (np.arange(rows) + 0.5) * edge[0] / rows, (np.arange(columns) + 0.5) * edge[1] / columns, indexing="ij"
+        )
         point, normal = patch.points(np.clip(u, 1e-4, patch.size[0] - 1e-4), np.clip(v, 1e-4, patch.size[1] - 1e-4))
         light = ambient * (0.6 + 0.4 * normal[..., 2])
         for lamp in lamps:
             for source in lamp.samples():
                 light = light + lamp.power / 9 * self._lamp_light(point, normal, source)
-        return cv2.resize(light.astype(np.float32), (shape[1], shape[0]), interpolation=cv2.INTER_LINEAR)
+        full = cv2.resize(light.astype(np.float32), (shape[1], shape[0]), interpolation=cv2.INTER_LINEAR)
+        return np.asarray(full, dtype=np.float32)
 
     def _lamp_light(self, point: Array, normal: Array, source: Array) -> Array:
         ray = source - point

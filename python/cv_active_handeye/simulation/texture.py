@@ -14,7 +14,7 @@ Float32Image = NDArray[np.float32]
 
 _SUBPIXEL_BITS = 4
 _PREFILTER_TEXELS = 0.8  # the texture holds nothing a pixel of the default camera would alias
-_ALBEDO_RANGE = (0.04, 0.92)
+_ALBEDO_RANGE = (0.07, 0.92)
 
 
 @dataclass(frozen=True)
@@ -28,16 +28,18 @@ class Style:
     leaf_radius_mm: tuple[float, float] = (0.5, 7.0)
     scratches_per_cm2: float = 0.6
     glyphs_per_cm2: float = 0.0
+    glyph_mm: tuple[float, float] = (2.0, 8.0)
     grain: float = 0.025
 
 
 STYLES: dict[str, Style] = {
-    "bench": Style(albedo=0.42, noise=0.09, leaf_cover=0.9, leaf_contrast=0.14, scratches_per_cm2=0.8),
-    "steel": Style(albedo=0.55, noise=0.05, leaf_cover=0.5, leaf_contrast=0.13, scratches_per_cm2=3.0),
-    "rust": Style(albedo=0.36, noise=0.12, leaf_cover=1.6, leaf_contrast=0.13, leaf_radius_mm=(0.4, 4.0)),
-    "card": Style(albedo=0.58, noise=0.04, leaf_cover=0.35, leaf_contrast=0.12, glyphs_per_cm2=1.6),
-    "paint": Style(albedo=0.30, noise=0.06, leaf_cover=0.7, leaf_contrast=0.18, scratches_per_cm2=1.5),
-    "stone": Style(albedo=0.48, noise=0.08, leaf_cover=2.5, leaf_contrast=0.17, scratches_per_cm2=0.2),
+    "bench": Style(albedo=0.50, noise=0.07, leaf_cover=0.7, leaf_contrast=0.15, scratches_per_cm2=1.0),
+    "steel": Style(albedo=0.58, noise=0.05, leaf_cover=0.5, leaf_contrast=0.13, scratches_per_cm2=3.0),
+    "rust": Style(albedo=0.42, noise=0.13, leaf_cover=1.6, leaf_contrast=0.13, leaf_radius_mm=(0.4, 4.0)),
+    "card": Style(albedo=0.62, noise=0.04, leaf_cover=0.30, leaf_contrast=0.12, glyphs_per_cm2=1.5),
+    "label": Style(albedo=0.78, noise=0.03, leaf_cover=0.10, leaf_contrast=0.10, glyphs_per_cm2=5.0, glyph_mm=(2, 4)),
+    "paint": Style(albedo=0.31, noise=0.05, leaf_cover=0.6, leaf_contrast=0.20, scratches_per_cm2=2.5),
+    "stone": Style(albedo=0.46, noise=0.08, leaf_cover=2.5, leaf_contrast=0.17, scratches_per_cm2=0.2),
 }
 
 
@@ -135,6 +137,6 @@ def _draw_glyphs(image: NDArray[np.uint8], style: Style, texel_mm: float, rng: n
     for _ in range(count):
         text = "".join(rng.choice(list(letters), int(rng.integers(1, 5))))
         where = (int(rng.integers(image.shape[1])), int(rng.integers(image.shape[0])))
-        scale = float(rng.uniform(2.0, 8.0)) / texel_mm / 22.0  # height in mm; the font is 22 units high
+        scale = float(rng.uniform(*style.glyph_mm)) / texel_mm / 22.0  # height in mm; the font is 22 units high
         grey = 255 * float(np.clip(style.albedo - rng.uniform(0.25, 0.5), 0.05, 0.9))
         cv2.putText(image, text, where, cv2.FONT_HERSHEY_DUPLEX, scale, grey, max(1, round(scale * 2)), cv2.LINE_AA)

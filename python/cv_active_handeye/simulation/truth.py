@@ -61,7 +61,7 @@ class Truth(BaseModel):
         target = Path(path).resolve()
         for folder in target.parents:
             if (folder / _MARKER).exists():
-                raise ValueError(f"path: the truth must stay outside data sets, but {target} is inside the one in {folder}")
+                raise ValueError(f"path: the truth must stay outside data sets, but {target} lies in that of {folder}")
         text = yaml.safe_dump(self.model_dump(), sort_keys=False, default_flow_style=None, width=200)
         write_atomic(target, text.encode())
 
