@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Print what pyproject.toml asks for, one requirement a line: to build, to run, and the extras named as arguments.
 
-pip can install the requirements of an extra only together with a build of the package itself. The Makefile installs them first, and
-then builds in the same environment, so that a second build has nothing to fetch.
+pip can install the requirements of an extra only together with a build of the package itself. The Makefile installs them
+first, and then builds in the same environment, so that a second build has nothing to fetch.
 """
 
 import re
@@ -11,9 +11,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-try:
+if sys.version_info >= (3, 11):
     import tomllib
-except ModuleNotFoundError:  # Python 3.10
+else:
     from pip._vendor import tomli as tomllib
 
 

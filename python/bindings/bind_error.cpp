@@ -29,7 +29,7 @@ py::object makeErrorType()
 {
     py::dict members;
     members["__doc__"] = errorDoc;
-    members["__module__"] = "cv_active_handeye";
+    members["__module__"] = "cv_active_handeye._core";
     members["code"] = 0;
     members["err"] = "";
     members["func"] = "";

@@ -85,7 +85,7 @@ const char* const paramsDoc = R"doc(What a stripe looks like, for detectStripe.
 Attributes:
     orientation: STRIPE_HORIZONTAL (one point per column, the default) or STRIPE_VERTICAL (one per row).
     sigma: expected standard deviation of the cross profile, 0.5 to 20 px; half to twice this is found; default 1.5.
-    minSnr: least height of a peak of the smoothed profile, in units of its noise; default 6.
+    minSnr: least height of a peak of the smoothed profile, in units of its noise; default 4.5.
     minContrast: least height as a fraction of the saturation level; default 0.02.
     maxSecondPeak: a column is left out when its second peak is higher than this fraction of the first; default 0.6.
     saturation: grey level from which a pixel is saturated; 0 (default) = the largest value of the image's type.

@@ -8,7 +8,7 @@ using namespace active_handeye_python;
 PYBIND11_MODULE(_core, m)
 {
     m.doc() = "The C++ functions of cv::active_handeye: same names, same order of arguments and results.";
-    m.attr("__version__") = ACTIVE_HANDEYE_VERSION;
+    m.attr("version") = ACTIVE_HANDEYE_VERSION;
 
     bindError(m);
     bindFoe(m);

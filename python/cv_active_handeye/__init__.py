@@ -26,7 +26,6 @@ from ._core import (
     TRANSLATIONS_SQUARE_PIXELS,
     TRANSLATIONS_ZERO_SKEW,
     StripeParams,
-    __version__,
     associateStripes,
     calibrateHandEyeRotation,
     calibrateHandEyeTranslations,
@@ -37,6 +36,7 @@ from ._core import (
     groupViews,
     splitStripe,
 )
+from ._core import version as __version__
 
 __all__ = [
     "FOE_LEAST_SQUARES",
