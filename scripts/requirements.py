@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Print what pyproject.toml asks for, one requirement a line: to build, to run, and the extras named as arguments.
 
-pip can install the requirements of an extra only together with a build of the package itself. The Makefile installs them
+pip can install the requirements of an extra only together with a build of the package. The Makefile installs them
 first, and then builds in the same environment, so that a second build has nothing to fetch.
 """
 
