@@ -24,10 +24,11 @@ from .tables import (
     calibration_summary,
     calibration_table,
     cameras_table,
-    comparison_table,
     dataset_table,
     demo_table,
+    hand_eye_table,
     limits_table,
+    scores_table,
 )
 
 if TYPE_CHECKING:
@@ -181,7 +182,7 @@ def compare(
     """Runs OpenCV's calibrateCamera and calibrateHandEye (all five methods) on a board, beside ours without it.
 
     The board stands still, so with a perfect calibration and robot it would not move in the base frame. The columns
-    "spread" tell how much it does (RMS), "board" by how many pixels its points miss their places (RMS).
+    "spread" tell how much it does, "misses" by how many pixels its points miss their places.
     """
     spec = _board(board)
     with terminal_reporter() as reporter, told_errors(_Settings.debug, reporter):
@@ -190,7 +191,8 @@ def compare(
         given = Calibration.load(calibration) if calibration is not None else None
         comparison = run_comparison(recording, spec, options, reporter, given)
     out.print(cameras_table(comparison))
-    out.print(comparison_table(comparison))
+    out.print(hand_eye_table(comparison))
+    out.print(scores_table(comparison))
     _print_problems(comparison)
     if all(row.problem for row in comparison.rows if not row.name.startswith("OpenCV")):
         raise typer.Exit(int(Exit.INSUFFICIENT_DATA))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from rich import box
+from rich.markup import escape
 from rich.table import Table
 
 import cv_active_handeye as cah
@@ -21,6 +22,8 @@ from ..workflow import Comparison
 
 if TYPE_CHECKING:
     from ..workflow.demo import DemoResult
+
+SIGMA_NOTE = "* from image noise alone: the robot's poses and the earlier steps are taken as exact"
 
 Values = dict[str, tuple[float, str, int]]
 """Name -> (value, unit, digits after the point)."""
@@ -55,15 +58,15 @@ def _sigmas(calibration: Calibration) -> dict[str, float]:
 
 
 def _table(title: str, *columns: str) -> Table:
-    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
+    table = Table(title=escape(title), title_justify="left", box=box.SIMPLE_HEAD)
     for number, column in enumerate(columns):
-        table.add_column(column, justify="left" if number == 0 else "right", no_wrap=number > 0)
+        table.add_column(escape(column), justify="left" if number == 0 else "right", no_wrap=True)
     return table
 
 
 def calibration_table(calibration: Calibration, title: str = "calibration") -> Table:
     """Every estimated quantity with its standard deviation; 0 where it was given and kept."""
-    table = _table(title, "quantity", "estimate", "1 sigma", "unit")
+    table = _table(title, "quantity", "estimate", "1 sigma*", "unit")
     values = _values(
         calibration.camera_matrix, calibration.R_cam2gripper, calibration.t_cam2gripper, calibration.light_plane
     )
@@ -75,19 +78,20 @@ def calibration_table(calibration: Calibration, title: str = "calibration") -> T
 
 
 def calibration_summary(calibration: Calibration) -> str:
-    """Residuals and counts in two lines."""
+    """What the sigmas mean, residuals and counts in three lines."""
     rms = calibration.rms
     parts = [f"translations {rms.translations_px:.3f} px", f"rotation {rms.rotation_px:.3f} px"]
     if rms.light_plane_px is not None:
         parts.append(f"light plane {rms.light_plane_px:.3f} px")
     seen = f"{calibration.views} views, {calibration.points} points, {calibration.observations} observations"
     stripes = f", {calibration.stripe_segments} stripe segments" if calibration.stripe_segments else ""
-    return f"RMS residuals: {', '.join(parts)}\n{seen}{stripes}; constraints: {', '.join(calibration.constraints)}"
+    constraints = f"constraints: {', '.join(calibration.constraints)}"
+    return f"{SIGMA_NOTE}\nRMS residuals: {', '.join(parts)}\n{seen}{stripes}; {constraints}"
 
 
 def demo_table(result: DemoResult) -> Table:
     """Estimate, truth and error of every quantity, then the errors that have limits."""
-    table = _table("estimate against truth", "quantity", "estimate", "truth", "error", "1 sigma", "unit")
+    table = _table("estimate against truth", "quantity", "estimate", "truth", "error", "1 sigma*", "unit")
     found, truth = result.calibration, result.truth
     estimates = _values(found.camera_matrix, found.R_cam2gripper, found.t_cam2gripper, found.light_plane)
     truths = _values(truth.camera_matrix, truth.R_cam2gripper, truth.t_cam2gripper, truth.light_plane)
@@ -112,36 +116,44 @@ def limits_table(result: DemoResult) -> Table:
     return table
 
 
-def comparison_table(comparison: Comparison) -> Table:
-    """One row per method; methods without an answer follow as text, see `comparison_problems`."""
-    columns = ("method", "rx ry rz [deg]", "x y z [mm]", "spread [mm]", "spread [deg]", "board [px]")
-    table = _table("hand-eye, and how still the board stands in the base frame", *columns)
+def hand_eye_table(comparison: Comparison) -> Table:
+    """R_cam2gripper and t_cam2gripper of every method; those without an answer show a dash."""
+    table = _table("hand-eye", "method", "rx ry rz [deg]", "x y z [mm]")
     for row in comparison.rows:
         if row.R_cam2gripper is None or row.t_cam2gripper is None:
-            table.add_row(row.name, "-", "-", "-", "-", "-")
+            table.add_row(row.name, "-", "-")
             continue
         rotation = " ".join(f"{x:.2f}" for x in rotation_vector_deg(row.R_cam2gripper))
-        position = " ".join(f"{1000 * x:.1f}" for x in row.t_cam2gripper)
+        table.add_row(row.name, rotation, " ".join(f"{1000 * x:.1f}" for x in row.t_cam2gripper))
+    return table
+
+
+def scores_table(comparison: Comparison) -> Table:
+    """How still the board stands in the base frame with every method that gave an answer."""
+    columns = ("method", "spread [mm]", "spread [deg]", "misses [px]")
+    table = _table("how still the board stands in the base frame (RMS)", *columns)
+    for row in comparison.rows:
         scores = (row.spread_mm, row.spread_deg, row.reprojection_px)
-        table.add_row(row.name, rotation, position, *(f"{x:.2f}" for x in scores if x is not None))
+        if not row.problem:
+            table.add_row(row.name, *(f"{x:.2f}" for x in scores if x is not None))
     return table
 
 
 def cameras_table(comparison: Comparison) -> Table:
     """The camera matrices behind the rows."""
     table = _table("camera", "source", "fx", "fy", "cx", "cy", "distortion")
-    cameras = {"OpenCV calibrateCamera": (comparison.camera.camera_matrix, comparison.camera.distortion)}
+    cameras = {"OpenCV": (comparison.camera.camera_matrix, comparison.camera.distortion)}
     cameras |= {row.name: row.camera for row in comparison.rows if row.camera is not None}
     for name, (K, D) in cameras.items():
         values = [f"{K[0, 0]:.2f}", f"{K[1, 1]:.2f}", f"{K[0, 2]:.2f}", f"{K[1, 2]:.2f}"]
-        table.add_row(name, *values, " ".join(f"{x:.3f}" for x in D) if np.any(D) else "none")
+        table.add_row(name, *values, " ".join(f"{x:.2f}" for x in D) if np.any(D) else "none")
     return table
 
 
 def dataset_table(dataset: Dataset) -> Table:
     """One row per view: position, orientation group, and what was recorded."""
     table = _table(f"{dataset.folder}", "view", "x y z [mm]", "orientation group", "image", "laser image", "surface")
-    groups = cah.groupViews(dataset.R_gripper2base).reshape(-1) if len(dataset) else []
+    groups = cah.groupViews(dataset.R_gripper2base).reshape(-1).tolist() if len(dataset) else []
     for view, group in zip(dataset.views, groups, strict=True):
         position = " ".join(f"{1000 * x:.1f}" for x in view.t_gripper2base)
         surface = "-" if view.surface_id is None else str(view.surface_id)

@@ -69,6 +69,7 @@ def _dictionary_name(name: str) -> str:
 def find_board(dataset: Dataset, board: BoardSpec, progress: Progress) -> tuple[FloatArray, FloatArray]:
     """(V, N, 2) pixels with NaN where the board was not found, and (N, 3) board points in metres."""
     if board.kind == "points":
+        progress(1, 1)
         return _stored(dataset)
     objects = board.object_points()
     points = np.full((len(dataset), len(objects), 2), np.nan)

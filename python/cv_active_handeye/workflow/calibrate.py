@@ -139,20 +139,20 @@ def find_stripes(
     dataset: Dataset, camera_matrix: FloatArray, distortion: FloatArray | None, reporter: Reporter
 ) -> list[StripeSegment]:
     """Straight segments of the stripe in every laser image; the laser-off image of the view is the background."""
-    views = [view.index for view in dataset.views if view.laser_image is not None]
-    progress = reporter.step(f"finding the stripe in {len(views)} images") if views else None
+    found = [(view.index, dataset.laser_image(view.index)) for view in dataset.views]
+    images = {index: image for index, image in found if image is not None}
+    progress = reporter.step(f"finding the stripe in {len(images)} images") if images else None
     params = cah.StripeParams()
     vertical = dataset.laser is not None and dataset.laser.stripe == "vertical"
     params.orientation = int(cah.STRIPE_VERTICAL if vertical else cah.STRIPE_HORIZONTAL)
     segments: list[StripeSegment] = []
-    for done, index in enumerate(views, start=1):
-        image, background = dataset.laser_image(index), dataset.image(index)
-        points, sigmas = cah.detectStripe(image, background=background, params=params)
+    for done, (index, image) in enumerate(images.items(), start=1):
+        points, sigmas = cah.detectStripe(image, background=dataset.image(index), params=params)
         if len(points):
             labels = cah.splitStripe(points, sigmas, camera_matrix, distortion).reshape(-1)
             segments += [StripeSegment(index, points[labels == k]) for k in range(labels.max() + 1)]
         if progress:
-            progress(done, len(views))
+            progress(done, len(images))
     return segments
 
 
@@ -225,8 +225,8 @@ def _calibrate_light_plane(
     dataset: Dataset, segments: list[StripeSegment], camera: _Camera, options: CalibrationOptions, reporter: Reporter
 ) -> _LightPlane | None:
     if not segments:
-        reason = "laser images are left out as asked" if not options.use_laser else "no laser stripe was seen"
-        reporter.note(f"no light plane: {reason}")
+        if options.use_laser:
+            reporter.note("no light plane: the data set has no laser image that shows a stripe")
         return None
     progress = reporter.step(f"light plane, from {len(segments)} stripe segments")
     rms, plane, covariance = cah.calibrateLightPlane(

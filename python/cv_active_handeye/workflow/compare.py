@@ -101,7 +101,7 @@ def _ours(
 ) -> dict[str, Calibration | str]:
     alone = options.model_copy(update={"use_laser": False})
     known = {"camera_matrix": camera.camera_matrix, "distortion_coefficients": camera.distortion}
-    variants = {"ours": alone, "ours, camera of the board": alone.model_copy(update={**known, "square_pixels": False})}
+    variants = {"ours": alone, "ours, board's camera": alone.model_copy(update={**known, "square_pixels": False})}
     try:
         tracks = find_points(dataset, options, reporter)
     except InsufficientDataError as error:

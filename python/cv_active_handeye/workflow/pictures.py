@@ -7,6 +7,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 import cv_active_handeye as cah
 
@@ -49,7 +50,7 @@ def draw_pictures(folder: Path, dataset: Dataset, calibration: Calibration, evid
     return tuple(drawn)
 
 
-def _largest_group(group_ids: FloatArray) -> list[int]:
+def _largest_group(group_ids: NDArray[np.int32]) -> list[int]:
     numbers, counts = np.unique(group_ids, return_counts=True)
     return [int(i) for i in np.flatnonzero(group_ids == numbers[counts.argmax()])]
 
