@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -20,11 +21,12 @@ from .bench import workbench
 from .config import CellConfig
 from .exact import StripeTruth
 from .laser import Laser
+from .light import Lamp
 from .optics import Camera, Sensor
 from .parts import Array
 from .render import Renderer
 from .robot_errors import RobotErrors
-from .scene import Lamp, Scene
+from .scene import Scene
 from .truth import TrueView, Truth
 
 Image = NDArray[np.uint8] | NDArray[np.uint16]
@@ -54,7 +56,7 @@ class SimulatedCell:
     """A robot with camera and line laser over a workbench. Same configuration, same bytes."""
 
     def __init__(self, config: CellConfig | None = None) -> None:
-        """Builds the cell; takes some seconds, most of them for textures and light."""
+        """Sets up robot, camera and laser; the bench is built when it is first looked at (some seconds)."""
         self.config = config or CellConfig()
         self.arm = kinematics.arm(self.config.robot)
         rng = np.random.default_rng([self.config.seed, _HARDWARE])
@@ -62,12 +64,20 @@ class SimulatedCell:
         self._T_cam2gripper = _mounting(rng)
         self.laser = _laser(self.config, rng)
         self._T_bench2base = _bench_pose(self.config, rng)
-        self.scene = _scene(self.config)
         self._errors = RobotErrors(self.config, _ROBOT)
-        sensor = Sensor(self.config.full_well_electrons, self.config.read_noise_electrons, self.config.bit_depth)
-        self._renderer = Renderer(self.scene, self.camera, self.laser, sensor, self.config)
         self._recorded: list[Array] = []
         self._captured = 0
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The workbench, in its own frame."""
+        return _scene(self.config)
+
+    @cached_property
+    def _renderer(self) -> Renderer:
+        c = self.config
+        sensor = Sensor(c.full_well_electrons, c.read_noise_electrons, c.bit_depth)
+        return Renderer(self.scene, self.camera, self.laser, sensor, c)
 
     def plan(self) -> list[Array]:
         """Return the 14 commanded poses (4, 4), gripper to base, of the default recording, all reachable."""

@@ -10,16 +10,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from . import light
+from .light import Lamp
 from .parts import Array, Patch
 from .texture import STYLES, synthesize, tile
-
-_LIGHT_STEP = 0.001  # grid of the baked light, metres
-_LIFT = 2e-5  # start of a shadow ray above its surface, metres
 
 
 @dataclass(frozen=True)
@@ -28,21 +26,6 @@ class Hits:
 
     triangle: NDArray[np.int64]
     depth: Array
-
-
-@dataclass(frozen=True)
-class Lamp:
-    """A square lamp of `width` metres facing down at `position`; `power` = irradiance straight below at z = 0."""
-
-    position: tuple[float, float, float]
-    width: float
-    power: float
-
-    def samples(self) -> Array:
-        """Return nine points (9, 3) on the lamp."""
-        offset = np.array([-1.0, 0.0, 1.0]) * self.width / 2
-        x, y = np.meshgrid(offset, offset)
-        return np.array(self.position) + np.stack([x.ravel(), y.ravel(), np.zeros(9)], axis=1)
 
 
 class Scene:
@@ -92,7 +75,8 @@ class Scene:
         tile_seed = int(rng.integers(2**32))
         self.albedo = np.empty(self._start[-1], np.float32)
         self.radiance = np.empty(self._start[-1], np.float32)
-        for i, patch in enumerate(self.patches):
+        lights = light.bake(self.patches, lamps, ambient, self._caster.intersects_first)
+        for i, (patch, irradiance) in enumerate(zip(self.patches, lights, strict=True)):
             shape = (int(self._shape[i, 0]), int(self._shape[i, 1]))
             if repeat_mm > 0:
                 albedo = tile(shape, texel_mm, np.random.default_rng(tile_seed), repeat_mm)
@@ -100,34 +84,7 @@ class Scene:
                 albedo = synthesize(STYLES[patch.style], shape, texel_mm, rng)[::-1]  # rows go up on the part
             span = slice(self._start[i], self._start[i + 1])
             self.albedo[span] = albedo.ravel()
-            self.radiance[span] = (albedo * self._light(patch, shape, texel_mm, lamps, ambient)).ravel()
-
-    def _light(
-        self, patch: Patch, shape: tuple[int, int], texel_mm: float, lamps: list[Lamp], ambient: float
-    ) -> NDArray[np.float32]:
-        rows, columns = (max(2, round(size * texel_mm / 1000 / _LIGHT_STEP)) for size in shape)
-        edge = np.array(shape) * texel_mm / 1000
-        v, u = np.meshgrid(
-            (np.arange(rows) + 0.5) * edge[0] / rows, (np.arange(columns) + 0.5) * edge[1] / columns, indexing="ij"
-        )
-        point, normal = patch.points(np.clip(u, 1e-4, patch.size[0] - 1e-4), np.clip(v, 1e-4, patch.size[1] - 1e-4))
-        light = ambient * (0.6 + 0.4 * normal[..., 2])
-        for lamp in lamps:
-            for source in lamp.samples():
-                light = light + lamp.power / 9 * self._lamp_light(point, normal, source)
-        full = cv2.resize(light.astype(np.float32), (shape[1], shape[0]), interpolation=cv2.INTER_LINEAR)
-        return np.asarray(full, dtype=np.float32)
-
-    def _lamp_light(self, point: Array, normal: Array, source: Array) -> Array:
-        ray = source - point
-        distance = np.linalg.norm(ray, axis=-1)
-        cosine = np.maximum(0.0, np.einsum("...i,...i->...", ray, normal)) / distance
-        lit = np.flatnonzero(cosine.ravel() > 0)
-        start = (point + _LIFT * normal).reshape(-1, 3)[lit]
-        free = self._caster.intersects_first(start, ray.reshape(-1, 3)[lit]) < 0
-        out = np.zeros(cosine.size)
-        out[lit[free]] = (cosine * (source[2] / distance) ** 2).ravel()[lit[free]]
-        return out.reshape(cosine.shape)
+            self.radiance[span] = (albedo * light.stretched(irradiance, shape)).ravel()
 
     def cast(self, origin: Array, directions: Array) -> Hits:
         """Return the first triangle on each ray from one `origin` (3,) along `directions` (N, 3), seen from outside.

@@ -14,6 +14,7 @@ Float32Image = NDArray[np.float32]
 
 _SUBPIXEL_BITS = 4
 _PREFILTER_TEXELS = 0.8  # the texture holds nothing a pixel of the default camera would alias
+_SMALLEST_LEAF_TEXELS = 2.0
 _ALBEDO_RANGE = (0.07, 0.92)
 
 
@@ -91,31 +92,29 @@ def _octaves(shape: tuple[int, int], texel_mm: float, rng: np.random.Generator) 
 def _draw_leaves(image: NDArray[np.uint8], style: Style, texel_mm: float, rng: np.random.Generator) -> None:
     """Dead leaves: shapes of power-law size on top of each other, as in photographs of nature."""
     area_mm2 = image.size * texel_mm**2
-    low, high = style.leaf_radius_mm
+    low, high = max(style.leaf_radius_mm[0], _SMALLEST_LEAF_TEXELS * texel_mm), style.leaf_radius_mm[1]
     mean_area = np.pi * 2 * np.log(high / low) / (low**-2 - high**-2)  # of p(r) ~ r^-3
     count = round(style.leaf_cover * area_mm2 / mean_area)
     radius = (low**-2 - rng.random(count) * (low**-2 - high**-2)) ** -0.5 / texel_mm
     radius = -np.sort(-radius) if style.leaf_cover < 1.0 else radius
-    centre = rng.random((count, 2)) * (image.shape[1], image.shape[0])
+    centre = rng.random((count, 1, 2)) * (image.shape[1], image.shape[0])
     grey = 255 * np.clip(style.albedo + style.leaf_contrast * rng.standard_normal(count), 0.03, 0.95)
-    for r, c, g, outline in zip(radius, centre, grey, _outlines(count, rng), strict=True):
-        points = np.round((c + r * outline) * (1 << _SUBPIXEL_BITS)).astype(np.int32)
-        cv2.fillPoly(image, [points], float(g), cv2.LINE_AA, _SUBPIXEL_BITS)
+    corners, outline = _outlines(count, rng)
+    points = np.round((centre + radius[:, None, None] * outline) * (1 << _SUBPIXEL_BITS)).astype(np.int32)
+    for n, shape, g in zip(corners, points, grey, strict=True):
+        cv2.fillPoly(image, [shape[:n]], float(g), cv2.LINE_AA, _SUBPIXEL_BITS)
 
 
-def _outlines(count: int, rng: np.random.Generator) -> list[NDArray[np.float64]]:
-    """Unit outlines: triangles, quadrangles, ragged and smooth blobs, each stretched and turned."""
-    corners = rng.choice([3, 4, 5, 7, 12], count)
-    turn = rng.uniform(0, 2 * np.pi, count)
-    stretch = rng.uniform(0.5, 1.6, count)
-    jitter = rng.uniform(0.7, 1.2, (count, 12))
-    outlines = []
-    for n, phase, aspect, radii in zip(corners, turn, stretch, jitter, strict=True):
-        angle = 2 * np.pi * np.arange(n) / n
-        shape = radii[:n, None] * np.stack([np.cos(angle) * aspect, np.sin(angle) / aspect], axis=1)
-        c, s = np.cos(phase), np.sin(phase)
-        outlines.append(shape @ np.array([[c, s], [-s, c]]))
-    return outlines
+def _outlines(count: int, rng: np.random.Generator) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Unit outlines (count, 12, 2), of which the first `corners` points count: angular and round blobs, stretched."""
+    corners = rng.choice(np.array([3, 4, 5, 7, 12]), count)
+    turn = rng.uniform(0, 2 * np.pi, (count, 1))
+    stretch = rng.uniform(0.5, 1.6, (count, 1))
+    radius = rng.uniform(0.7, 1.2, (count, 12))
+    angle = 2 * np.pi * np.arange(12) / corners[:, None]
+    x, y = radius * np.cos(angle) * stretch, radius * np.sin(angle) / stretch
+    c, s = np.cos(turn), np.sin(turn)
+    return corners, np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
 def _draw_scratches(image: NDArray[np.uint8], style: Style, texel_mm: float, rng: np.random.Generator) -> None:
