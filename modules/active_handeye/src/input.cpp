@@ -121,25 +121,33 @@ Pixels toPixels(const Numbers& numbers, const std::string& name)
     return pixels;
 }
 
-//! A view whose translation is 1000 times larger or smaller than the typical one, and then agrees with it.
+double median(std::vector<double> values)
+{
+    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+    return values[values.size() / 2];
+}
+
+//! Refuses a view whose translation is about 1000 times longer than most, or 1000 times shorter and then much like the others.
 void requireOneUnit(const AlignedVector<Pose>& poses)
 {
-    Vector3d typical;
-    for (int axis = 0; axis < 3; ++axis)
+    std::vector<double> coordinates[3], lengths;
+    for (const Pose& pose : poses)
     {
-        std::vector<double> values;
-        for (const Pose& pose : poses)
-            values.push_back(pose.t[axis]);
-        std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-        typical[axis] = values[values.size() / 2];
+        lengths.push_back(pose.t.norm());
+        for (int axis = 0; axis < 3; ++axis)
+            coordinates[axis].push_back(pose.t[axis]);
     }
+    const Vector3d typical(median(coordinates[0]), median(coordinates[1]), median(coordinates[2]));
+    const double length = median(lengths);
     for (size_t view = 0; view < poses.size(); ++view)
-        for (double factor : {1000., 0.001})
-            if ((factor * poses[view].t - typical).norm() < 0.3 * typical.norm())
-                CV_Error(Error::StsBadArg,
-                         cv::format("t_gripper2base[%d]: millimetres and metres seem to be mixed; needed one unit of length in all views, "
-                                    "given |t| = %g where the other views have about %g",
-                                    int(view), poses[view].t.norm(), typical.norm()));
+    {
+        const bool tooLong = length > 0 && lengths[view] > 300 * length && lengths[view] < 3000 * length;
+        const bool tooShort = lengths[view] > 0 && (1000 * poses[view].t - typical).norm() < 0.3 * typical.norm();
+        if (tooLong || tooShort)
+            CV_Error(Error::StsBadArg,
+                     cv::format("t_gripper2base[%d]: millimetres and metres seem to be mixed; needed one unit of length in all views, "
+                                "given |t| = %g where the median of the views is %g", int(view), lengths[view], length));
+    }
 }
 
 } // namespace

@@ -177,8 +177,14 @@ MatrixXd ProjectionSolver::covariance(const Projection& projection, const Matrix
     MatrixXd JtJ;
     VectorXd Jtr;
     problem.linearize(JtJ, Jtr);
-    const MatrixXd inverse = JtJ.ldlt().solve(MatrixXd::Identity(freeCount(), freeCount()));
-    return sigma * sigma * free_ * inverse * free_.transpose();
+    // Pixels and radians differ by orders of magnitude: scale to a unit diagonal before the inversion.
+    const VectorXd scale = JtJ.diagonal().cwiseSqrt().cwiseInverse();
+    const MatrixXd scaled = scale.asDiagonal() * JtJ * scale.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scaled);
+    const double rounding = 1e-15;
+    const MatrixXd root = free_ * scale.asDiagonal() * eigen.eigenvectors() *
+                          eigen.eigenvalues().cwiseMax(rounding).cwiseSqrt().cwiseInverse().asDiagonal();
+    return sigma * sigma * root * root.transpose();
 }
 
 bool ProjectionSolver::mirror(Projection& projection) const

@@ -45,7 +45,7 @@ struct TurnDirections
 };
 
 //! Residuals linear in X_j and t, method.md section 5: p = (t, 1), lengths in units of the spread of the gripper positions.
-class RotationProblem : public TrackProblem<4>
+class RotationProblem : public TrackProblem<RotationModel>
 {
 public:
     RotationProblem(const AlignedVector<Pose>& gripper2base, const std::vector<Pixels>& ideal, const Matrix3d& K, const Matrix3d& R_cam2gripper,
@@ -68,14 +68,14 @@ public:
         for (Pixels& pixels : normalized)
             for (Eigen::Vector2d& x : pixels)
                 x = T.apply(x);
-        addTracks(normalized, views, tracks);
-        const Matrix3d toImage = T.matrix() * K * R_cam2gripper.transpose();
+        tracks.add(normalized, views);
+        const Matrix3d gripperToImage = T.matrix() * K * R_cam2gripper.transpose();
         models.resize(ideal.size());
         for (size_t view = 0; view < models.size(); ++view)
         {
-            models[view].G = toImage * gripper2base[view].R.transpose();
-            models[view].D.leftCols<3>() = -toImage;
-            models[view].D.col(3) = -models[view].G * (gripper2base[view].t - center) / std::max(length, 1e-300);
+            const Pose& pose = gripper2base[view];
+            toImage.push_back(gripperToImage * pose.R.transpose());
+            models[view].negative << pose.R, (pose.t - center) / std::max(length, 1e-300);
         }
         pixelsPerUnit = 1 / T.scale;
         function = "calibrateHandEyeRotation";
@@ -89,7 +89,7 @@ public:
         return p;
     }
 
-    void updateModels(const Vector4d&) CV_OVERRIDE {}
+    bool updateImages(const Vector4d&) CV_OVERRIDE { return false; }
     bool mirror(Vector4d&) CV_OVERRIDE { return false; }
 
     //! Covariance of t for residuals of standard deviation sigma, in units of length^2; what is not observed is infinite.
@@ -173,7 +173,7 @@ double calibrateHandEyeRotation(InputArrayOfArrays R_gripper2base, InputArrayOfA
     if (!(problem.length > 1e-9 * poses[0].t.norm()))
         CV_Error(Error::StsNoConv, "t_gripper2base: the gripper only turned, which leaves the scale of t_cam2gripper open; needed views at different "
                                    "places, given one place: add a translation");
-    const TrackFit<4> fit = fitTracks(problem);
+    const TrackFit<RotationModel> fit = fitTracks(problem);
     const Vector3d t = fit.p.head<3>() * problem.length;
     writeMatrix(t, t_cam2gripper);
     const int parameters = int(turns.observed.cols());

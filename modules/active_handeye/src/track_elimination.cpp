@@ -11,37 +11,61 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-void Tracks::closeTrack()
+Eigen::Matrix<double, 3, 9> TranslationModel::D() const
 {
-    const int size = int(observations.size());
-    if (size - first.back() >= 2)
-        first.push_back(size);
-    else
-        observations.resize(first.back());
+    Eigen::Matrix<double, 3, 9> product = Eigen::Matrix<double, 3, 9>::Zero();
+    addProduct(Matrix3d::Identity(), product);
+    return product;
 }
 
-void addTracks(const std::vector<Pixels>& pixels, const std::vector<int>& views, Tracks& tracks)
+Vector3d TranslationModel::shift(const Vector9d& p) const
 {
-    const int points = int(pixels[0].size());
-    for (int point = 0; point < points; ++point)
+    return Vector3d(-b.dot(p.segment<3>(0)), -b.dot(p.segment<3>(3)), -b.dot(p.segment<3>(6)));
+}
+
+void TranslationModel::addProduct(const Matrix3d& M, Eigen::Matrix<double, 3, 9>& sum) const
+{
+    for (int row = 0; row < 3; ++row)
+        for (int k = 0; k < 3; ++k)
+            sum.col(3 * row + k) -= b[k] * M.col(row);
+}
+
+void Tracks::add(const std::vector<Pixels>& pixels, const std::vector<int>& views)
+{
+    const size_t points = pixels[0].size();
+    observations.reserve(observations.size() + views.size() * points);
+    for (size_t point = 0; point < points; ++point)
     {
         for (int view : views)
-            if (pixels[view][point].allFinite())
-                tracks.observations.push_back(Observation{view, point, pixels[view][point]});
-        tracks.closeTrack();
+            if (!std::isnan(pixels[view][point].x()))
+                observations.push_back(Observation{view, int(point), pixels[view][point], Matrix3d()});
+        if (int(observations.size()) - first.back() >= 2)
+            first.push_back(int(observations.size()));
+        else
+            observations.resize(first.back());
     }
 }
 
-double medianParallax(const Tracks& tracks)
+void Tracks::setForms(const AlignedVector<Matrix3d>& toImage)
+{
+    for (Observation& observation : observations)
+    {
+        const Matrix3d& A = toImage[observation.view];
+        Eigen::Matrix<double, 2, 3> rows = A.topRows<2>();
+        rows.noalias() -= observation.x * A.row(2);
+        observation.form.noalias() = rows.transpose() * rows;
+    }
+}
+
+double Tracks::medianParallax() const
 {
     std::vector<double> parallax;
-    for (int j = 0; j < tracks.count(); ++j)
+    for (int j = 0; j < count(); ++j)
     {
-        double largest = 0;
-        for (int a = tracks.first[j]; a < tracks.first[j + 1]; ++a)
-            for (int b = tracks.first[j]; b < a; ++b)
-                largest = std::max(largest, (tracks.observations[a].x - tracks.observations[b].x).squaredNorm());
-        parallax.push_back(std::sqrt(largest));
+        Eigen::AlignedBox2d box;
+        for (int o = first[j]; o < first[j + 1]; ++o)
+            box.extend(observations[o].x);
+        parallax.push_back(box.diagonal().norm());
     }
     if (parallax.empty())
         return 0;
@@ -49,115 +73,79 @@ double medianParallax(const Tracks& tracks)
     return parallax[parallax.size() / 2];
 }
 
-namespace {
-
-//! L^T L for the two rows L = (1, 0, -u; 0, 1, -v) that an image point (u, v) gives.
-Matrix3d pointForm(const Vector2d& x)
-{
-    Matrix3d M;
-    M << 1, 0, -x.x(), 0, 1, -x.y(), -x.x(), -x.y(), x.squaredNorm();
-    return M;
-}
-
-//! Blocks of the normal equations that belong to one track.
-template <int Q>
-struct TrackBlocks
-{
-    Matrix3d ZZ;
-    Eigen::Matrix<double, 3, Q> Zp;
-    int used;
-};
-
-template <int Q>
-TrackBlocks<Q> accumulate(const Tracks& tracks, int track, const AlignedVector<ViewModel<Q> >& models, const std::vector<double>& weights)
-{
-    TrackBlocks<Q> blocks;
-    blocks.ZZ.setZero();
-    blocks.Zp.setZero();
-    blocks.used = 0;
-    for (int o = tracks.first[track]; o < tracks.first[track + 1]; ++o)
-    {
-        if (weights[o] <= 0)
-            continue;
-        const Observation& observation = tracks.observations[o];
-        const ViewModel<Q>& model = models[observation.view];
-        const Matrix3d GtM = model.G.transpose() * (weights[o] * pointForm(observation.x));
-        blocks.ZZ.noalias() += GtM * model.G;
-        blocks.Zp.noalias() += GtM * model.D;
-        ++blocks.used;
-    }
-    return blocks;
-}
-
-//! Cholesky factor of ZZ; false when the track leaves its point open (no parallax).
-bool factorize(const Matrix3d& ZZ, Eigen::LLT<Matrix3d>& llt)
+//! Cholesky with a check that the track does not leave its point open.
+static bool factorize(const Matrix3d& ZZ, Eigen::LLT<Matrix3d>& factor)
 {
     const double minimumPivotRatio = 1e-14;
-    llt.compute(ZZ);
-    if (llt.info() != Eigen::Success)
-        return false;
-    const Vector3d pivots = llt.matrixLLT().diagonal().array().square();
-    return pivots.minCoeff() > minimumPivotRatio * pivots.maxCoeff();
+    factor.compute(ZZ);
+    const Vector3d pivots = factor.matrixLLT().diagonal().array().square();
+    return factor.info() == Eigen::Success && pivots.minCoeff() > minimumPivotRatio * pivots.maxCoeff();
 }
 
-} // namespace
-
-template <int Q>
-Eigen::Matrix<double, Q, Q> eliminateTracks(const Tracks& tracks, const AlignedVector<ViewModel<Q> >& models,
-                                            const std::vector<double>& weights)
+template <class Model>
+Eigen::Matrix<double, Model::parameters, Model::parameters> eliminateTracks(const Tracks& tracks, const AlignedVector<Model>& models,
+                                                                           const std::vector<double>& weights,
+                                                                           AlignedVector<EliminatedPoint>& points)
 {
+    enum { Q = Model::parameters };
     Eigen::Matrix<double, Q, Q> S = Eigen::Matrix<double, Q, Q>::Zero();
     AlignedVector<Matrix3d> perView(models.size(), Matrix3d::Zero());
+    points.resize(tracks.count());
     for (int j = 0; j < tracks.count(); ++j)
     {
-        const TrackBlocks<Q> blocks = accumulate(tracks, j, models, weights);
-        Eigen::LLT<Matrix3d> llt;
-        if (blocks.used < 2 || !factorize(blocks.ZZ, llt))
-            continue;
-        const Eigen::Matrix<double, 3, Q> reduced = llt.matrixL().solve(blocks.Zp);
-        S.noalias() -= reduced.transpose() * reduced;
-        for (int o = tracks.first[j]; o < tracks.first[j + 1]; ++o)
-            if (weights[o] > 0)
-                perView[tracks.observations[o].view] += weights[o] * pointForm(tracks.observations[o].x);
-    }
-    for (size_t view = 0; view < models.size(); ++view)
-        S.noalias() += models[view].D.transpose() * perView[view] * models[view].D;
-    return S;
-}
-
-template <int Q>
-TrackResiduals trackResiduals(const Tracks& tracks, const AlignedVector<ViewModel<Q> >& models, const std::vector<double>& weights,
-                              const Eigen::Matrix<double, Q, 1>& p)
-{
-    TrackResiduals result;
-    const double unknown = std::numeric_limits<double>::quiet_NaN();
-    result.residual.assign(tracks.observations.size(), Vector2d::Constant(unknown));
-    result.depth.assign(tracks.observations.size(), unknown);
-    AlignedVector<Vector3d> shift;
-    for (const ViewModel<Q>& model : models)
-        shift.push_back(model.D * p);
-    for (int j = 0; j < tracks.count(); ++j)
-    {
-        const TrackBlocks<Q> blocks = accumulate(tracks, j, models, weights);
-        Eigen::LLT<Matrix3d> llt;
-        if (blocks.used < 2 || !factorize(blocks.ZZ, llt))
-            continue;
-        const Vector3d Z = -llt.solve(blocks.Zp * p);
+        Matrix3d ZZ = Matrix3d::Zero();
+        Eigen::Matrix<double, 3, Q> Zp = Eigen::Matrix<double, 3, Q>::Zero();
+        int used = 0;
         for (int o = tracks.first[j]; o < tracks.first[j + 1]; ++o)
         {
             const Observation& observation = tracks.observations[o];
-            const Vector3d Y = models[observation.view].G * Z + shift[observation.view];
-            result.residual[o] = observation.x - Y.head<2>() / Y.z();
-            result.depth[o] = Y.z();
+            const Matrix3d M = weights[o] * observation.form;
+            ZZ += M;
+            models[observation.view].addProduct(M, Zp);
+            used += weights[o] > 0;
         }
+        points[j].usable = used >= 2 && factorize(ZZ, points[j].factor);
+        if (!points[j].usable)
+            continue;
+        points[j].factor.matrixL().solveInPlace(Zp);
+        S.template selfadjointView<Eigen::Lower>().rankUpdate(Zp.transpose(), -1);
+        for (int o = tracks.first[j]; o < tracks.first[j + 1]; ++o)
+            perView[tracks.observations[o].view] += weights[o] * tracks.observations[o].form;
     }
-    return result;
+    S = Eigen::Matrix<double, Q, Q>(S.template selfadjointView<Eigen::Lower>());
+    for (size_t view = 0; view < models.size(); ++view)
+        S.noalias() += models[view].D().transpose() * perView[view] * models[view].D();
+    return S;
 }
 
-template Matrix9d eliminateTracks<9>(const Tracks&, const AlignedVector<ViewModel<9> >&, const std::vector<double>&);
-template Eigen::Matrix4d eliminateTracks<4>(const Tracks&, const AlignedVector<ViewModel<4> >&, const std::vector<double>&);
-template TrackResiduals trackResiduals<9>(const Tracks&, const AlignedVector<ViewModel<9> >&, const std::vector<double>&, const Vector9d&);
-template TrackResiduals trackResiduals<4>(const Tracks&, const AlignedVector<ViewModel<4> >&, const std::vector<double>&,
-                                          const Eigen::Vector4d&);
+template <class Model>
+void pointsOf(const Tracks& tracks, const AlignedVector<Model>& models, const std::vector<double>& weights,
+              const AlignedVector<EliminatedPoint>& points, const Eigen::Matrix<double, Model::parameters, 1>& p, AlignedVector<Vector3d>& Y)
+{
+    Y.assign(tracks.observations.size(), Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
+    AlignedVector<Vector3d> shift;
+    for (const Model& model : models)
+        shift.push_back(model.shift(p));
+    for (int j = 0; j < tracks.count(); ++j)
+    {
+        if (!points[j].usable)
+            continue;
+        Vector3d Zp = Vector3d::Zero();
+        for (int o = tracks.first[j]; o < tracks.first[j + 1]; ++o)
+            Zp.noalias() += weights[o] * (tracks.observations[o].form * shift[tracks.observations[o].view]);
+        const Vector3d Z = -points[j].factor.solve(Zp);
+        for (int o = tracks.first[j]; o < tracks.first[j + 1]; ++o)
+            Y[o] = Z + shift[tracks.observations[o].view];
+    }
+}
+
+template Matrix9d eliminateTracks<TranslationModel>(const Tracks&, const AlignedVector<TranslationModel>&, const std::vector<double>&,
+                                                    AlignedVector<EliminatedPoint>&);
+template Eigen::Matrix4d eliminateTracks<RotationModel>(const Tracks&, const AlignedVector<RotationModel>&, const std::vector<double>&,
+                                                        AlignedVector<EliminatedPoint>&);
+template void pointsOf<TranslationModel>(const Tracks&, const AlignedVector<TranslationModel>&, const std::vector<double>&,
+                                         const AlignedVector<EliminatedPoint>&, const Vector9d&, AlignedVector<Vector3d>&);
+template void pointsOf<RotationModel>(const Tracks&, const AlignedVector<RotationModel>&, const std::vector<double>&,
+                                      const AlignedVector<EliminatedPoint>&, const Eigen::Vector4d&, AlignedVector<Vector3d>&);
 
 }} // namespace cv::active_handeye

@@ -2,9 +2,9 @@
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
 
-// Many image points of unknown scene points, few parameters p that all of them share. A point Z of the scene has in view i the
-// homogeneous image Y = G_i Z + D_i p; its residual is (x - Y_xy / Y_z), made linear by multiplying with the depth Y_z. Every Z is eliminated; what
-// remains is a quadratic form p^T S p. Which problem it is, is data: (G, D) of every view.
+// Many image points of unknown scene points, few parameters p that all of them share. A scene point Z has in view i the
+// vector Y = Z + D_i p, and its image point says (x Y_z - Y_xy) = 0 for the coordinates in which that view sees Y. Squared this is a
+// quadratic form Y^T M Y, depth^2 times the squared reprojection error. Every Z is eliminated; what remains is p^T S p.
 #ifndef OPENCV_ACTIVE_HANDEYE_TRACK_ELIMINATION_HPP
 #define OPENCV_ACTIVE_HANDEYE_TRACK_ELIMINATION_HPP
 
@@ -12,11 +12,34 @@
 
 namespace cv { namespace active_handeye {
 
+//! D_i of x ~ Z - P b_i with p = vec(P), row by row: - (I kron b_i^T).
+struct TranslationModel
+{
+    enum { parameters = 9 };
+    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+
+    Eigen::Matrix<double, 3, 9> D() const;
+    Eigen::Vector3d shift(const Vector9d& p) const;
+    void addProduct(const Eigen::Matrix3d& M, Eigen::Matrix<double, 3, 9>& sum) const; //!< sum += M D
+};
+
+//! D_i of a scene point in the base frame seen by a camera at R_i t + t_i: p = (t, 1), D_i = - (R_i, t_i).
+struct RotationModel
+{
+    enum { parameters = 4 };
+    Eigen::Matrix<double, 3, 4> negative;
+
+    Eigen::Matrix<double, 3, 4> D() const { return -negative; }
+    Eigen::Vector3d shift(const Eigen::Vector4d& p) const { return -negative * p; }
+    void addProduct(const Eigen::Matrix3d& M, Eigen::Matrix<double, 3, 4>& sum) const { sum.noalias() -= M * negative; }
+};
+
 struct Observation
 {
-    int view;            //!< view of the caller
-    int point;           //!< column of imagePoints
-    Eigen::Vector2d x;   //!< image point in the coordinates of Y_xy / Y_z
+    int view;              //!< view of the caller
+    int point;             //!< column of imagePoints
+    Eigen::Vector2d x;     //!< image point
+    Eigen::Matrix3d form;  //!< M
 };
 
 //! Observations sorted by track: track j is observations[first[j]] .. observations[first[j + 1] - 1].
@@ -27,42 +50,37 @@ struct Tracks
 
     int count() const { return int(first.size()) - 1; }
 
-    //! Ends the present track: keeps it when it has two or more observations, drops it otherwise.
-    void closeTrack();
+    //! Adds one track for every point that two or more of the `views` see.
+    void add(const std::vector<Pixels>& pixels, const std::vector<int>& views);
+
+    //! Sets the forms of all observations for view i seeing toImage[i] Y.
+    void setForms(const AlignedVector<Eigen::Matrix3d>& toImage);
+
+    //! Median over the tracks of the size of the box around their image points.
+    double medianParallax() const;
 };
 
-//! Adds one track for every point that two or more of the `views` see.
-void addTracks(const std::vector<Pixels>& pixels, const std::vector<int>& views, Tracks& tracks);
-
-//! Median over the tracks of the largest distance between two image points of a track.
-double medianParallax(const Tracks& tracks);
-
-template <int Q>
-struct ViewModel
+//! What a track says about its point: Cholesky factor of the 3 x 3 block, not usable without parallax or with fewer than two observations.
+struct EliminatedPoint
 {
-    Eigen::Matrix3d G;
-    Eigen::Matrix<double, 3, Q> D;
-    EIGEN_MAKE_ALIGNED_OPERATOR_NEW
+    Eigen::LLT<Eigen::Matrix3d> factor;
+    bool usable;
 };
 
-//! Residuals of all observations for one p: eliminated points put back.
-struct TrackResiduals
-{
-    Pixels residual;             //!< x - Y_xy / Y_z
-    std::vector<double> depth;   //!< Y_z
-};
+/** Sum of weight * Y^T M Y with all points eliminated: S of p^T S p.
 
-/** Weighted normal equations of the observations x, p given the model: sum of w |(x Y_z - Y_xy)|^2 with Z eliminated.
-
-Observations of weight 0 do not count; tracks with fewer than two others, or without parallax, are passed over.
+Observations of weight 0 do not count. `points` receives what pointsOf() needs.
 */
-template <int Q>
-Eigen::Matrix<double, Q, Q> eliminateTracks(const Tracks& tracks, const AlignedVector<ViewModel<Q> >& models,
-                                            const std::vector<double>& weights);
+template <class Model>
+Eigen::Matrix<double, Model::parameters, Model::parameters> eliminateTracks(const Tracks& tracks, const AlignedVector<Model>& models,
+                                                                           const std::vector<double>& weights,
+                                                                           AlignedVector<EliminatedPoint>& points);
 
-template <int Q>
-TrackResiduals trackResiduals(const Tracks& tracks, const AlignedVector<ViewModel<Q> >& models, const std::vector<double>& weights,
-                              const Eigen::Matrix<double, Q, 1>& p);
+//! Y of every observation for given p, its point put back; NaN for points that are not usable.
+template <class Model>
+void pointsOf(const Tracks& tracks, const AlignedVector<Model>& models, const std::vector<double>& weights,
+              const AlignedVector<EliminatedPoint>& points, const Eigen::Matrix<double, Model::parameters, 1>& p,
+              AlignedVector<Eigen::Vector3d>& Y);
 
 }} // namespace cv::active_handeye
 

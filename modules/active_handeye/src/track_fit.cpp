@@ -12,35 +12,39 @@ namespace {
 
 const double gateInSigmas = 5;
 
-template <int Q>
+template <class Model>
 class Fitter
 {
 public:
-    explicit Fitter(TrackProblem<Q>& problem)
-        : problem_(problem), size_(problem.tracks.observations.size()), depth_(size_, 1.), weight_(size_, 1.),
-          excluded_(problem.models.size(), 0), observed_(problem.models.size(), 0)
+    typedef typename TrackProblem<Model>::Parameters Parameters;
+
+    explicit Fitter(TrackProblem<Model>& problem)
+        : problem_(problem), observations_(problem.tracks.observations), parallax_(problem.tracks.medianParallax()),
+          observed_(problem.models.size(), 0), excluded_(problem.models.size(), 0)
     {
-        for (const Observation& observation : problem.tracks.observations)
-            observed_[observation.view] = 1;
+        for (const Observation& observation : observations_)
+            ++observed_[observation.view];
     }
 
     //! Passes of elimination until the set of inliers no longer changes.
     void run()
     {
-        std::fill(depth_.begin(), depth_.end(), 1.);
-        std::fill(weight_.begin(), weight_.end(), 1.);
-        p_.setZero();
+        depth_.assign(observations_.size(), 1.);
+        robust_.assign(observations_.size(), 1.);
         const int maxPasses = 15, softPasses = 4;
         const double smallChange = 1e-6;
+        problem_.tracks.setForms(problem_.toImage);
         for (int pass = 0; pass < maxPasses; ++pass)
         {
-            const Eigen::Matrix<double, Q, 1> previous = p_;
+            const Parameters previous = p_;
             solve();
-            const std::vector<double> before = weight_;
-            const bool soft = pass < softPasses && hasOutliers();
-            reweight(soft);
-            if (pass > 0 && !soft && weight_ == before && (p_ - previous).norm() <= smallChange * p_.norm())
+            const bool imagesMoved = problem_.updateImages(p_);
+            const bool soft = pass < softPasses && outliers_ > 0;
+            const bool sameInliers = reweight(soft);
+            if (pass > 0 && !soft && sameInliers && (!imagesMoved || (p_ - previous).norm() <= smallChange * p_.norm()))
                 break;
+            if (imagesMoved)
+                problem_.tracks.setForms(problem_.toImage);
         }
     }
 
@@ -48,168 +52,158 @@ public:
     void excludeContradictingViews()
     {
         const double decisive = 0.3;
-        const int maxExcluded = int(usedViews()) / 3;
-        for (int round = 0; round < maxExcluded && viewIsSuspect(); ++round)
+        for (int round = 0; round < viewCount() / 3 && aViewIsSuspect(); ++round)
         {
-            const double before = typicalResidual();
+            const double before = typicalResidual_;
             int best = -1;
-            double bestResidual = std::numeric_limits<double>::infinity();
-            for (int view = 0; view < int(excluded_.size()); ++view)
+            double bestResidual = decisive * before;
+            for (size_t view = 0; view < excluded_.size(); ++view)
             {
                 if (excluded_[view] || !observed_[view])
                     continue;
                 excluded_[view] = 1;
                 run();
-                if (typicalResidual() < bestResidual)
-                    bestResidual = typicalResidual(), best = view;
+                if (typicalResidual_ < bestResidual)
+                    bestResidual = typicalResidual_, best = int(view);
                 excluded_[view] = 0;
             }
-            if (best < 0 || bestResidual > decisive * before)
-            {
-                run();
-                return;
-            }
-            excluded_[best] = 1;
+            if (best >= 0)
+                excluded_[best] = 1;
             run();
+            if (best < 0)
+                return;
         }
     }
 
-    TrackFit<Q> result() const
+    TrackFit<Model> result() const
     {
-        TrackFit<Q> fit;
+        TrackFit<Model> fit;
         fit.p = p_;
         fit.S = S_;
-        fit.weights = eliminationWeights();
         fit.cost = 0;
         fit.used = fit.redundancy = 0;
         for (int j = 0; j < problem_.tracks.count(); ++j)
         {
+            if (!points_[j].usable)
+                continue;
             int used = 0;
             for (int o = problem_.tracks.first[j]; o < problem_.tracks.first[j + 1]; ++o)
-                if (fit.weights[o] > 0 && residuals_.residual[o].allFinite())
-                {
-                    fit.cost += residuals_.residual[o].squaredNorm();
-                    ++used;
-                }
+                if (weights_[o] > 0)
+                    ++used, fit.cost += squared_[o];
             fit.used += used;
-            fit.redundancy += used >= 2 ? 2 * used - 3 : 0;
+            fit.redundancy += 2 * used - 3;
         }
-        for (int view = 0; view < int(excluded_.size()); ++view)
-            if (observed_[view] && (excluded_[view] || outlierShare(view) > 0.5))
-                fit.rejectedViews.push_back(view);
+        for (size_t view = 0; view < excluded_.size(); ++view)
+            if (observed_[view] && (excluded_[view] || mostlyOutliers(view)))
+                fit.rejectedViews.push_back(int(view));
         return fit;
     }
 
-    bool isBehindCamera() const
-    {
-        size_t behind = 0, known = 0;
-        for (double depth : residuals_.depth)
-            if (std::isfinite(depth))
-                ++known, behind += depth <= 0;
-        return 2 * behind >= known;
-    }
-
-    //! Median length of the residuals of all observations, used or not.
-    double typicalResidual() const
-    {
-        std::vector<double> lengths;
-        for (size_t o = 0; o < size_; ++o)
-            if (residuals_.residual[o].allFinite() && !excluded_[problem_.tracks.observations[o].view])
-                lengths.push_back(residuals_.residual[o].norm());
-        if (lengths.empty())
-            return std::numeric_limits<double>::infinity();
-        std::nth_element(lengths.begin(), lengths.begin() + lengths.size() / 2, lengths.end());
-        return lengths[lengths.size() / 2];
-    }
+    bool isBehindCamera() const { return 2 * behind_ >= known_; }
+    double typicalResidual() const { return typicalResidual_; } //!< median over all observations of the views not excluded
+    double parallax() const { return parallax_; }
+    int viewCount() const { return int(observed_.size() - std::count(observed_.begin(), observed_.end(), 0)); } //!< with observations
 
 private:
-    std::vector<double> eliminationWeights() const
-    {
-        std::vector<double> weights(size_);
-        for (size_t o = 0; o < size_; ++o)
-            weights[o] = excluded_[problem_.tracks.observations[o].view] ? 0 : weight_[o] / (depth_[o] * depth_[o]);
-        return weights;
-    }
-
     void solve()
     {
-        const std::vector<double> weights = eliminationWeights();
-        S_ = eliminateTracks<Q>(problem_.tracks, problem_.models, weights);
+        weights_.resize(observations_.size());
+        for (size_t o = 0; o < weights_.size(); ++o)
+            weights_[o] = excluded_[observations_[o].view] ? 0 : robust_[o] / (depth_[o] * depth_[o]);
+        S_ = eliminateTracks(problem_.tracks, problem_.models, weights_, points_);
         p_ = problem_.minimize(S_);
-        residuals_ = trackResiduals<Q>(problem_.tracks, problem_.models, weights, p_);
+        evaluate();
         if (isBehindCamera() && problem_.mirror(p_))
-            for (double& depth : residuals_.depth)
-                depth = -depth;
-        problem_.updateModels(p_);
-        // Redundancy shrinks residuals: with n used numbers and r redundant ones the noise is sqrt(n / r) times larger.
-        const TrackFit<Q> fit = result();
-        const double shrink = fit.redundancy > Q ? std::sqrt(2. * fit.used / (fit.redundancy - Q)) : 1.;
-        const double rayleighMedian = 1.1774;
-        sigma_ = std::max(typicalResidual() * shrink / rayleighMedian, 1e-7 / problem_.pixelsPerUnit);
+            evaluate();
+        findOutliers();
     }
 
-    bool isOutlier(size_t o) const
+    //! Depths and residuals of all observations for the present p.
+    void evaluate()
     {
-        return !(residuals_.depth[o] > 0) || !(residuals_.residual[o].norm() <= gateInSigmas * sigma_);
-    }
-
-    bool hasOutliers() const
-    {
-        for (size_t o = 0; o < size_; ++o)
-            if (isOutlier(o))
-                return true;
-        return false;
-    }
-
-    //! Soft: Cauchy weights, which let a bad start recover; hard: in or out, which costs no efficiency.
-    void reweight(bool soft)
-    {
-        const double cauchyScale = 2.385;
-        for (size_t o = 0; o < size_; ++o)
+        pointsOf(problem_.tracks, problem_.models, weights_, points_, p_, Y_);
+        squared_.resize(Y_.size());
+        depth_.resize(Y_.size());
+        known_ = behind_ = 0;
+        for (size_t o = 0; o < Y_.size(); ++o)
         {
-            const bool inFront = residuals_.depth[o] > 0;
-            const double r = residuals_.residual[o].norm() / (cauchyScale * sigma_);
-            weight_[o] = !inFront ? 0 : soft ? 1 / (1 + r * r) : isOutlier(o) ? 0 : 1;
-            depth_[o] = inFront ? residuals_.depth[o] : 1;
+            const Eigen::Vector3d image = problem_.toImage[observations_[o].view] * Y_[o];
+            depth_[o] = image.z();
+            squared_[o] = (observations_[o].x - image.head<2>() / image.z()).squaredNorm();
+            if (!std::isnan(depth_[o]))
+                ++known_, behind_ += depth_[o] <= 0;
         }
     }
 
-    size_t usedViews() const
+    void findOutliers()
     {
-        size_t used = 0;
-        for (int view = 0; view < int(excluded_.size()); ++view)
-            used += observed_[view] && !excluded_[view];
-        return used;
+        std::vector<double> present;
+        present.reserve(squared_.size());
+        for (size_t o = 0; o < squared_.size(); ++o)
+            if (!std::isnan(squared_[o]) && !excluded_[observations_[o].view])
+                present.push_back(squared_[o]);
+        typicalResidual_ = std::numeric_limits<double>::infinity();
+        if (!present.empty())
+        {
+            std::nth_element(present.begin(), present.begin() + present.size() / 2, present.end());
+            typicalResidual_ = std::sqrt(present[present.size() / 2]);
+        }
+        // The fit absorbs a part of the noise: of n numbers only r are redundant, which makes residuals sqrt(r / n) of it.
+        const double redundant = double(2 * observations_.size()) - 3 * problem_.tracks.count() - double(Model::parameters);
+        const double absorbed = std::sqrt(2 * observations_.size() / std::max(redundant, 1.));
+        const double rayleighMedian = 1.1774, rounding = 1e-7 / problem_.pixelsPerUnit;
+        const double gate = gateInSigmas * std::max(typicalResidual_ * absorbed / rayleighMedian, rounding);
+        gateSquared_ = gate * gate;
+        outliers_ = 0;
+        outliersOfView_.assign(observed_.size(), 0);
+        for (size_t o = 0; o < squared_.size(); ++o)
+            if (isOutlier(o))
+                ++outliers_, ++outliersOfView_[observations_[o].view];
     }
 
-    double outlierShare(int view) const
+    bool isOutlier(size_t o) const { return !(depth_[o] > 0) || !(squared_[o] <= gateSquared_); }
+
+    //! Soft: Cauchy weights, which let a bad start recover; hard: in or out, which costs no efficiency. True when nothing changed.
+    bool reweight(bool soft)
     {
-        int outliers = 0, all = 0;
-        for (size_t o = 0; o < size_; ++o)
-            if (problem_.tracks.observations[o].view == view)
-                ++all, outliers += isOutlier(o);
-        return all ? outliers / double(all) : 0;
+        const double cauchySquared = std::pow(2.385 / gateInSigmas, 2) * gateSquared_;
+        bool same = true;
+        for (size_t o = 0; o < squared_.size(); ++o)
+        {
+            const bool inFront = depth_[o] > 0;
+            const double weight = !inFront ? 0 : soft ? 1 / (1 + squared_[o] / cauchySquared) : isOutlier(o) ? 0 : 1;
+            same = same && weight == robust_[o];
+            robust_[o] = weight;
+            if (!inFront)
+                depth_[o] = 1;
+        }
+        return same;
     }
+
+    bool mostlyOutliers(size_t view) const { return 2 * outliersOfView_[view] > observed_[view]; }
 
     //! Either one view is mostly outliers, or the residuals are no small part of the parallax.
-    bool viewIsSuspect() const
+    bool aViewIsSuspect() const
     {
-        if (typicalResidual() > 0.02 * medianParallax(problem_.tracks))
-            return true;
-        for (int view = 0; view < int(excluded_.size()); ++view)
-            if (!excluded_[view] && outlierShare(view) > 0.5)
-                return true;
-        return false;
+        const double largeShare = 0.02;
+        bool suspect = typicalResidual_ > largeShare * parallax_;
+        for (size_t view = 0; view < excluded_.size(); ++view)
+            suspect = suspect || (observed_[view] && !excluded_[view] && mostlyOutliers(view));
+        return suspect;
     }
 
-    TrackProblem<Q>& problem_;
-    size_t size_;
-    std::vector<double> depth_, weight_;
-    std::vector<char> excluded_, observed_;
-    Eigen::Matrix<double, Q, Q> S_;
-    Eigen::Matrix<double, Q, 1> p_;
-    TrackResiduals residuals_;
-    double sigma_ = 0;
+    TrackProblem<Model>& problem_;
+    const AlignedVector<Observation>& observations_;
+    double parallax_;
+    std::vector<int> observed_, outliersOfView_;  // observations per view
+    std::vector<char> excluded_;
+    std::vector<double> depth_, robust_, weights_, squared_;
+    AlignedVector<EliminatedPoint> points_;
+    AlignedVector<Eigen::Vector3d> Y_;
+    typename TrackProblem<Model>::Form S_ = TrackProblem<Model>::Form::Zero();
+    Parameters p_ = Parameters::Zero();
+    double typicalResidual_ = 0, gateSquared_ = 0;
+    size_t outliers_ = 0, known_ = 0, behind_ = 0;
 };
 
 std::string listOf(const std::vector<int>& numbers)
@@ -222,34 +216,37 @@ std::string listOf(const std::vector<int>& numbers)
 
 } // namespace
 
-template <int Q>
-TrackFit<Q> fitTracks(TrackProblem<Q>& problem)
+template <class Model>
+TrackFit<Model> fitTracks(TrackProblem<Model>& problem)
 {
     const char* function = problem.function.c_str();
-    const double parallax = medianParallax(problem.tracks), pixels = problem.pixelsPerUnit;
+    Fitter<Model> fitter(problem);
+    const double parallax = fitter.parallax(), pixels = problem.pixelsPerUnit;
     if (!(parallax * pixels > 1e-6))
         CV_Error(Error::StsNoConv, cv::format("%s: imagePoints have no parallax; needed points that move between the views, given a median "
                                               "displacement of %.3g px in %d tracks", function, parallax * pixels, problem.tracks.count()));
-    Fitter<Q> fitter(problem);
     fitter.run();
     fitter.excludeContradictingViews();
-    const double residual = fitter.typicalResidual();
+    const double residual = fitter.typicalResidual(), maxShare = 0.25;
     if (fitter.isBehindCamera())
         CV_Error(Error::StsNoConv, cv::format("%s: most scene points come out behind the camera; needed poses R_gripper2base, t_gripper2base that "
                                               "belong to imagePoints: are they inverted (base2gripper), or in another order?", function));
-    const double maxResidualShare = 0.25;
-    if (!(residual <= maxResidualShare * parallax))
-        CV_Error(Error::StsNoConv, cv::format("%s: imagePoints do not fit the poses, or have no parallax; needed a residual below %g of the parallax, given a "
-                                              "median residual of %.3g px at a median parallax of %.3g px: translate farther, or check the order "
-                                              "of the poses", function, maxResidualShare, residual * pixels, parallax * pixels));
-    const TrackFit<Q> fit = fitter.result();
+    if (!(residual <= maxShare * parallax))
+        CV_Error(Error::StsNoConv, cv::format("%s: imagePoints do not fit the poses, or have no parallax; needed a residual below %g of the parallax, "
+                                              "given a median residual of %.3g px at a median parallax of %.3g px: translate farther, or check the "
+                                              "order of the poses", function, maxShare, residual * pixels, parallax * pixels));
+    const TrackFit<Model> fit = fitter.result();
+    if (3 * fit.rejectedViews.size() > size_t(fitter.viewCount()))
+        CV_Error(Error::StsNoConv, cv::format("%s: imagePoints and poses contradict each other; needed two thirds of the views to agree, given %d of %d "
+                                              "views that disagree: %s (no parallax, wrong matches, or poses of other images)", function,
+                                              int(fit.rejectedViews.size()), fitter.viewCount(), listOf(fit.rejectedViews).c_str()));
     if (!fit.rejectedViews.empty())
         CV_LOG_WARNING(NULL, function << ": views " << listOf(fit.rejectedViews) << " contradict the other views and were not used: check their "
                                       << "R_gripper2base, t_gripper2base and imagePoints");
     return fit;
 }
 
-template TrackFit<9> fitTracks<9>(TrackProblem<9>&);
-template TrackFit<4> fitTracks<4>(TrackProblem<4>&);
+template TrackFit<TranslationModel> fitTracks<TranslationModel>(TrackProblem<TranslationModel>&);
+template TrackFit<RotationModel> fitTracks<RotationModel>(TrackProblem<RotationModel>&);
 
 }} // namespace cv::active_handeye

@@ -40,12 +40,27 @@ private:
 
 void requireTracks(const Tracks& tracks, const std::vector<Pixels>& pixels, int parameters)
 {
+    std::vector<int> points;
+    for (int j = 0; j < tracks.count(); ++j)
+        points.push_back(tracks.observations[tracks.first[j]].point);
+    std::sort(points.begin(), points.end());
+    const int common = int(std::unique(points.begin(), points.end()) - points.begin());
     const int equations = 2 * int(tracks.observations.size()) - 3 * tracks.count();
-    if (tracks.count() < 2 || equations < parameters)
+    if (common < 2 || equations < parameters)
         CV_Error(Error::StsNoConv,
                  cv::format("imagePoints: too few points in common; needed 2 or more points that are seen in two views of equal orientation, and %d "
-                            "equations, given %d such points with %d equations (2 per image point - 3 per point) out of %d points in %d views",
-                            parameters, tracks.count(), equations, int(pixels[0].size()), int(pixels.size())));
+                            "equations, given %d such points with %d equations (2 per image point - 3 per point and group) out of %d points in %d views",
+                            parameters, common, equations, int(pixels[0].size()), int(pixels.size())));
+}
+
+//! The covariance leaves no doubt that the data say something about fx.
+void requireKnownFocalLength(const Projection& projection, const MatrixXd& covariance)
+{
+    const double fx = projection.K(0, 0), deviation = std::sqrt(covariance(0, 0)), largestShare = 0.3;
+    if (!(deviation < largestShare * fx))
+        CV_Error(Error::StsNoConv, cv::format("imagePoints: cameraMatrix is not determined; needed a standard deviation of fx below %g of it, given fx = %.4g +- "
+                                              "%.2g px: translate farther, also along the optical axis, or use points at different depths",
+                                              largestShare, fx, deviation));
 }
 
 Estimate estimateMetric(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Normalization& T,
@@ -53,8 +68,9 @@ Estimate estimateMetric(const GroupTranslations& motion, const std::vector<Pixel
 {
     TranslationsProblem problem(motion, pixels, T, solver);
     requireTracks(problem.tracks, pixels, solver.freeCount());
-    const TrackFit<9> fit = fitTracks(problem);
-    return Estimate{problem.projection, solver.covariance(problem.projection, fit.S, fit.sigma(solver.freeCount())), fit.rms() / T.scale};
+    const TrackFit<TranslationModel> fit = fitTracks(problem);
+    const MatrixXd covariance = solver.covariance(problem.projection, fit.S, fit.sigma(solver.freeCount()));
+    return Estimate{problem.projection, covariance, fit.rms() / T.scale};
 }
 
 //! One translation: its FOE in normalised pixels, with the information on the tangent plane, and the displacement of the gripper.
@@ -83,13 +99,20 @@ Expansion expansionOf(const GroupTranslations& motion, const std::vector<Pixels>
     return Expansion{e, basis * C.inverse() * basis.transpose(), motion.displacement[to] - motion.displacement[from], to};
 }
 
+TranslationModel modelOf(const Expansion& expansion)
+{
+    TranslationModel model;
+    model.b = expansion.b;
+    return model;
+}
+
 //! e_i ~ P b_i (paper, (16)-(17)), weighted by the covariance of every FOE: p^T S p.
 Matrix9d expansionForm(const std::vector<Expansion>& expansions, const Vector9d* p)
 {
     Matrix9d S = Matrix9d::Zero();
     for (const Expansion& expansion : expansions)
     {
-        const Eigen::Matrix<double, 3, 9> D = timesVector(expansion.b);
+        const Eigen::Matrix<double, 3, 9> D = modelOf(expansion).D();
         const double length = p ? (D * *p).norm() : expansion.b.norm();
         const Matrix3d W = p ? expansion.information : Matrix3d(Matrix3d::Identity() - expansion.e * expansion.e.transpose());
         S += D.transpose() * W * D / (length * length);
@@ -124,7 +147,7 @@ Estimate estimateFromFOEs(const GroupTranslations& motion, const std::vector<Pix
         S = expansionForm(expansions, &p);
     }
     double agreement = 0;
-    const auto along = [&](const Expansion& x) { return x.e.dot((timesVector(x.b) * solver.vector(projection)).normalized()); };
+    const auto along = [&](const Expansion& x) { return -x.e.dot(modelOf(x).shift(solver.vector(projection)).normalized()); };
     for (const Expansion& expansion : expansions)
         agreement += along(expansion);
     if (agreement < 0 && solver.mirror(projection))
@@ -135,9 +158,9 @@ Estimate estimateFromFOEs(const GroupTranslations& motion, const std::vector<Pix
                                                   "imagePoints: are they inverted (base2gripper), or in another order?", expansion.view));
     const Vector9d p = solver.vector(projection);
     const int redundancy = 2 * int(expansions.size()) - solver.freeCount();
-    const double misfit = redundancy > 0 ? std::sqrt(p.dot(S * p) / redundancy) : 1;
+    const double misfit = redundancy > 0 ? std::sqrt(std::max(p.dot(S * p), 0.) / redundancy) : 1;
     GivenProjection given(motion, pixels, T, solver, projection);
-    const TrackFit<9> fit = fitTracks(given);
+    const TrackFit<TranslationModel> fit = fitTracks(given);
     return Estimate{projection, solver.covariance(projection, S, std::max(misfit, 1.)), fit.rms() / T.scale};
 }
 
@@ -208,6 +231,7 @@ double calibrateHandEyeTranslations(InputArrayOfArrays R_gripper2base, InputArra
     const Estimate estimate = knownK || !camera.hasDistortion()
                                   ? estimateOnce(motion, idealPixels(recorded, camera), camera, method, flags)
                                   : estimateWithDistortion(motion, recorded, camera, guessed, method, flags);
+    requireKnownFocalLength(estimate.projection, estimate.covariance);
     writeMatrix(estimate.projection.K, cameraMatrix);
     writeMatrix(estimate.projection.R, R_cam2gripper);
     if (covariance.needed())

@@ -76,29 +76,23 @@ void GroupTranslations::requireDirections(int needed, const std::string& purpose
                                    ", given none out of one plane: add one along " + text(base.col(2)) + " in base coordinates");
 }
 
-Eigen::Matrix<double, 3, 9> timesVector(const Vector3d& b)
-{
-    Eigen::Matrix<double, 3, 9> D = Eigen::Matrix<double, 3, 9>::Zero();
-    for (int row = 0; row < 3; ++row)
-        D.block<1, 3>(row, 3 * row) = b.transpose();
-    return D;
-}
-
 TranslationsProblem::TranslationsProblem(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Normalization& T,
                                          const ProjectionSolver& solver)
-    : motion_(motion), solver_(solver)
+    : motion_(motion), solver_(solver), orientationsDiffer_(false)
 {
     std::vector<Pixels> normalized = pixels;
     for (Pixels& view : normalized)
         for (Eigen::Vector2d& x : view)
             x = T.apply(x);
     for (const MotionGroup& group : motion.groups)
-        addTracks(normalized, group.views, tracks);
+        tracks.add(normalized, group.views);
     models.resize(pixels.size());
+    toImage.assign(pixels.size(), Matrix3d::Identity());
+    const double rounding = 1e-12;
     for (size_t view = 0; view < models.size(); ++view)
     {
-        models[view].G.setIdentity();
-        models[view].D = -timesVector(motion.displacement[view]); // x ~ Z - P b
+        models[view].b = motion.displacement[view];
+        orientationsDiffer_ = orientationsDiffer_ || !motion.rotation[view].isIdentity(rounding);
     }
     pixelsPerUnit = 1 / T.scale;
     function = "calibrateHandEyeTranslations";
@@ -110,15 +104,15 @@ Vector9d TranslationsProblem::minimize(const Matrix9d& S)
     return solver_.vector(projection);
 }
 
-void TranslationsProblem::updateModels(const Vector9d& p)
+bool TranslationsProblem::updateImages(const Vector9d& p)
 {
+    if (!orientationsDiffer_)
+        return false;
     // The orientation of a view differs from its group's by dR, within the tolerance: x ~ P dR^T P^-1 (Z - P b).
     const Matrix3d P = toMatrix(p), inverse = P.inverse();
-    for (size_t view = 0; view < models.size(); ++view)
-    {
-        models[view].G = P * motion_.rotation[view].transpose() * inverse;
-        models[view].D = -models[view].G * timesVector(motion_.displacement[view]);
-    }
+    for (size_t view = 0; view < toImage.size(); ++view)
+        toImage[view] = P * motion_.rotation[view].transpose() * inverse;
+    return true;
 }
 
 bool TranslationsProblem::mirror(Vector9d& p)

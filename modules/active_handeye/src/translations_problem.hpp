@@ -28,15 +28,15 @@ struct GroupTranslations
     double length;                                //!< mean length of the displacements
 };
 
-//! x ~ Z_j - P b_i, method.md 4b: view models of fitTracks() for given displacements.
-class TranslationsProblem : public TrackProblem<9>
+//! x ~ Z_j - P b_i, method.md 4b: fitTracks() for given displacements.
+class TranslationsProblem : public TrackProblem<TranslationModel>
 {
 public:
     TranslationsProblem(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Normalization& T,
                         const ProjectionSolver& solver);
 
     Vector9d minimize(const Matrix9d& S) CV_OVERRIDE;
-    void updateModels(const Vector9d& p) CV_OVERRIDE;
+    bool updateImages(const Vector9d& p) CV_OVERRIDE;
     bool mirror(Vector9d& p) CV_OVERRIDE;
 
     Projection projection;
@@ -44,10 +44,10 @@ public:
 protected:
     const GroupTranslations& motion_;
     const ProjectionSolver& solver_;
-};
 
-//! b -> the 3 x 9 matrix that takes vec(P) to P b.
-Eigen::Matrix<double, 3, 9> timesVector(const Eigen::Vector3d& b);
+private:
+    bool orientationsDiffer_;  //!< within the tolerance
+};
 
 }} // namespace cv::active_handeye
 
