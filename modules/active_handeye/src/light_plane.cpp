@@ -238,7 +238,7 @@ void LightPlaneCalibration::dropThinSurfaces()
 
 void LightPlaneCalibration::failContradiction() const
 {
-    CV_Error(Error::StsNoConv, "surfaceIds: the stripes contradict each other; needed segments of which most agree with one light plane, "
+    CV_Error(Error::StsNoConv, "surfaceIds: the stripes contradict each other (a mislabelled surface, a reflection?); needed segments of which most agree with one light plane, "
                                "given segments that miss it: " + contradictionList());
 }
 

@@ -20,6 +20,15 @@ std::string inBase(const Vector3d& direction, int group, const GroupOrientations
     return cv::format("(%.2f, %.2f, %.2f) in base coordinates", v.x(), v.y(), v.z());
 }
 
+//! An axis has no sign: its largest component is made positive in base coordinates.
+std::string axisInBase(const Vector3d& axis, int group, const GroupOrientations& cam2base)
+{
+    const Vector3d v = cam2base[group] * axis;
+    int largest;
+    v.cwiseAbs().maxCoeff(&largest);
+    return inBase(v[largest] < 0 ? Vector3d(-axis) : axis, group, cam2base);
+}
+
 //! How the lines of a surface move [px] and which way the camera went.
 struct Movement
 {
@@ -82,18 +91,18 @@ std::string explainWeakness(const StripeSurfaces& surfaces, const std::vector<Va
     const int group = surfaces[0].group;
     if (still && along)
         return "t_gripper2base: the camera was moved along the stripe only; needed translations across it, in two directions, e.g. "
-               "along " + inBase(optical, group, cam2base) + " and along " + inBase(interpretationNormal(surfaces[0].views[0]), group, cam2base);
+               "along " + inBase(optical, group, cam2base) + " and along " + axisInBase(interpretationNormal(surfaces[0].views[0]), group, cam2base);
     if (still)
         return "stripePoints: the stripes stand still in the image while the camera moves, so it moved along the surfaces only, or they "
                "are parallel to the light plane; needed translations towards the surfaces, e.g. along " + inBase(optical, group, cam2base);
     if (oneAcross)
         return "t_gripper2base: the translations have one direction only across the stripe; needed a second one, e.g. along " +
-               inBase(Movement(surfaces[0], r).missing, group, cam2base);
+               axisInBase(Movement(surfaces[0], r).missing, group, cam2base);
     if (parallel)
         return "stripePoints: the surfaces are nearly parallel to the light plane; needed a surface at a larger angle to it";
     if (shareOneDirection(directions))
-        return "stripePoints: all groups share the stripe direction " + inBase(r, group, cam2base) +
-               "; needed a second one: turn the gripper about an axis across the stripe, e.g. about " + inBase(optical.cross(r), group, cam2base) +
+        return "stripePoints: all groups share the stripe direction " + axisInBase(r, group, cam2base) +
+               "; needed a second one: turn the gripper about an axis across the stripe, e.g. about " + axisInBase(optical.cross(r), group, cam2base) +
                ", or use a surface that is tilted about it";
     return "stripePoints: the motion of the stripes is too small for the light plane; needed larger translations or more views";
 }

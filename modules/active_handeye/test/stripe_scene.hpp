@@ -131,6 +131,16 @@ struct StripeScene
             }
     }
 
+    //! Shares no data with this one.
+    StripeScene copy() const
+    {
+        StripeScene scene = *this;
+        for (std::vector<Mat>* list : {&scene.R, &scene.t, &scene.points})
+            for (Mat& item : *list)
+                item = item.clone();
+        return scene;
+    }
+
     double calibrate(Vec4d& plane, Mat covariance = Mat(), InputArray knownPoints = noArray()) const
     {
         Mat light;
