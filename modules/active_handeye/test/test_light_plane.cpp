@@ -348,7 +348,7 @@ TEST(ActiveHandEye_calibrateLightPlane, MislabelledSurfaceIsNamed)
     scene.R.pop_back();
     scene.t.pop_back();
     for (double tilt : {-0.5, 0., 0.5})
-        scene.addSurface(Vec3d(tilt, 0.3 * tilt * tilt, 1), 0, 40, 600);
+        scene.addSurface(Vec3d(tilt, 0.3 * tilt * tilt, 1), 0.05 * std::abs(tilt - 0.2), 40, 600);
     scene.shine();
     for (size_t i = 0; i < scene.ids.size(); ++i)
         scene.ids[i] = scene.ids[i] == scene.views[i] % 3 ? 4 : -1; // each view another surface
