@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 active_handeye contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Write python/cv_active_handeye/_core.pyi from the built extension; with --check only compare, fail on a difference."""
+"""Write python/cv_active_handeye/_core.pyi from the built extension; with --check only compare, fail if they differ."""
 
 import re
 import subprocess
