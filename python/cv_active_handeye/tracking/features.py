@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -14,6 +15,8 @@ from .config import TrackingConfig
 
 Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]
+
+BRIGHT = 200.0
 
 
 @dataclass(frozen=True)
@@ -31,10 +34,7 @@ class Features:
 
 
 def grey_image(image: NDArray[np.generic], name: str) -> Array32:
-    """Grey values as float32 on a scale of 0 to 255. 8 or 16 bit, one channel or three (BGR); `name` is for errors.
-
-    16-bit images are scaled by their own maximum, so that 10- or 12-bit data use the whole range.
-    """
+    """Grey values as float32. image: 8 or 16 bit, one channel or three (BGR); `name` is for errors."""
     if image.dtype not in (np.uint8, np.uint16):
         raise ValueError(f"{name}: need uint8 or uint16 pixels, got {image.dtype}")
     if not (image.ndim == 2 or (image.ndim == 3 and image.shape[2] in (1, 3))) or min(image.shape[:2]) < 32:
@@ -42,19 +42,27 @@ def grey_image(image: NDArray[np.generic], name: str) -> Array32:
     grey = np.ascontiguousarray(image).astype(np.float32)
     if grey.ndim == 3:
         grey = cv2.cvtColor(grey, cv2.COLOR_BGR2GRAY) if grey.shape[2] == 3 else grey[:, :, 0]
-    if image.dtype == np.uint16:
-        grey = grey * np.float32(255.0 / max(float(grey.max()), 1.0))
     return np.asarray(grey, np.float32)
 
 
+def normalise_brightness(greys: Sequence[Array32]) -> list[Array32]:
+    """Scale the images of a recording by one common factor, so that the brightest 0.5 % of all pixels lie above 200.
+
+    SIFT's contrast threshold is absolute: without this, dark or 16-bit recordings would give no features, or all noise.
+    """
+    bright = float(np.percentile(np.concatenate([grey[::4, ::4].ravel() for grey in greys]), 99.5))
+    factor = np.float32(BRIGHT / max(bright, 1.0))
+    return [grey * factor for grey in greys]
+
+
 def detect_features(grey: Array32, config: TrackingConfig) -> Features:
-    """SIFT with precise upscaling: without it OpenCV's positions are biased by 0.25 px in x and y."""
+    """Features of an image with grey values of 0 to 255: SIFT with precise upscaling: without it OpenCV's positions are biased by 0.25 px in x and y."""
     detector = cv2.SIFT_create(
         nfeatures=config.max_features,
         contrastThreshold=config.contrast_threshold,
         enable_precise_upscale=True,
     )
-    keypoints, descriptors = detector.detectAndCompute(np.asarray(np.rint(grey), np.uint8), None)
+    keypoints, descriptors = detector.detectAndCompute(np.asarray(np.clip(np.rint(grey), 0, 255), np.uint8), None)
     if not keypoints:
         return Features(np.empty((0, 2)), np.empty((0, 128), np.float32))
     points = np.array([k.pt for k in keypoints], np.float64)

@@ -16,19 +16,37 @@ from .features import Array, Array32
 from .matching import Indices
 from .patches import UPSAMPLING, Alignment, Warps, align, make_templates, upsample
 
-SIGMA_FLOOR = 0.02
-SIGMA_SCALE = 1.0
 MAX_LAST_STEP_PX = 0.02
 MAX_SHAPE_CHANGE = 0.4
 
+# Fitted to the simulated cell, good and bad light (benchmark/tracking.py prints how well they hold).
+SIGMA_FLOOR_PX = 0.003
+SIGMA_SCALE = 1.2
+NOISE_QUANTILE = 0.25
+NOISE_SPREAD = 1.15
+MISFIT_POWER = 1.5
 
-@dataclass
+
+@dataclass(frozen=True)
 class Observations:
-    """Positions (V, N, 2) and standard deviations per axis (V, N) of N tracks, NaN = not seen; reference view (N,)."""
+    """N tracks in V views, NaN = not seen.
+
+    points (V, N, 2): pixels; sigmas (V, N): standard deviation per axis, px; reference (N,): the view that defines it.
+    """
 
     points: Array
     sigmas: Array
     reference: Indices
+
+
+@dataclass(frozen=True)
+class _Found:
+    """What the alignment gave for every observation: position (V, N, 2), standard deviation (V, N) if the residual was
+    white noise, and RMS residual (V, N) in grey values of the reference."""
+
+    points: Array
+    white_sigmas: Array
+    residuals: Array
 
 
 def refine_tracks(
@@ -37,22 +55,40 @@ def refine_tracks(
     """Align all observations to the reference patch of their track.
 
     points (V, N, 2): detected positions, NaN = not seen. The track *is* the scene point at the centre of its reference
-    patch, a pixel nearest to the detected feature; so its position in the reference view is exact by definition and
+    patch, the pixel nearest to the detected feature; so its position in the reference view is exact by definition and
     only the agreement of the other views with it matters. `progress` is told every finished view.
     """
     warps = view_warps(points)
     reference = choose_references(points, warps)
-    refined, sigmas = np.full_like(points, np.nan), np.full(points.shape[:2], np.nan)
+    found = _Found(np.full_like(points, np.nan), *(np.full(points.shape[:2], np.nan) for _ in range(2)))
     enlarged = [upsample(image) for image in images]
     for view, image in enumerate(images):
         tracks = np.flatnonzero(reference == view)
         centres = np.rint(points[view, tracks])
         inside = _inside(centres, image.shape, config.patch_radius + 1)
-        tracks, centres = tracks[inside], centres[inside]
-        if len(tracks):
-            _refine_from(view, tracks, centres, enlarged, points, warps, config, refined, sigmas)
+        if inside.any():
+            _refine_from(view, tracks[inside], centres[inside], enlarged, points, warps, config, found)
         progress(view)
-    return Observations(refined, sigmas, reference)
+    return _with_sigmas(found, reference, config)
+
+
+def _with_sigmas(found: _Found, reference: Indices, config: TrackingConfig) -> Observations:
+    """Standard deviations of all observations.
+
+    What is known is the error of an observation against its reference: residual and structure of the patch give it for
+    white noise. Residuals above the usual noise are misfit (an edge of the object, a shadow, a highlight in the patch),
+    which moves patches further than noise of the same size. Each of the two ends gets half of the variance.
+    """
+    tracks = np.arange(len(reference))
+    noise = np.nanquantile(found.residuals, NOISE_QUANTILE) if np.isfinite(found.residuals).any() else 1.0
+    misfit = np.maximum(found.residuals / (NOISE_SPREAD * noise), 1.0) ** MISFIT_POWER
+    relative = np.hypot(SIGMA_FLOOR_PX, SIGMA_SCALE * found.white_sigmas * misfit)
+    relative[~(relative < config.max_sigma)] = np.nan
+    points = np.where(np.isfinite(relative)[:, :, None], found.points, np.nan)
+    alive = np.isfinite(relative).any(axis=0)
+    relative[reference[alive], tracks[alive]] = np.nanmedian(relative[:, alive], axis=0)
+    points[reference[alive], tracks[alive]] = found.points[reference[alive], tracks[alive]]
+    return Observations(points, relative / np.sqrt(2.0), reference)
 
 
 def view_warps(points: Array) -> dict[tuple[int, int], Array]:
@@ -93,11 +129,11 @@ def _refine_from(
     points: Array,
     warps: dict[tuple[int, int], Array],
     config: TrackingConfig,
-    refined: Array,
-    sigmas: Array,
+    found: _Found,
 ) -> None:
+    """Refine the observations of `tracks`, whose reference patches lie at `centres` of `view`; writes into `found`."""
     templates = make_templates(enlarged[view], centres, config.patch_radius)
-    own_variance = np.full((len(points), len(tracks)), np.nan)
+    found.points[view, tracks] = centres
     for other in range(len(points)):
         index = np.flatnonzero(np.isfinite(points[other, tracks, 0]))
         if other == view or (view, other) not in warps or len(index) == 0:
@@ -106,31 +142,28 @@ def _refine_from(
         rounding = centres[index] - points[view, tracks[index]]
         position = points[other, tracks[index]] + np.einsum("nij,nj->ni", shape, rounding)
         start = Warps(position, shape, perspective)
-        found = align(templates[index], enlarged[other], start, config.max_iterations)
-        variance = _variance(found, templates.noise_gain[index])
-        good = _acceptable(found, start, config) & (variance < config.max_sigma**2)
-        good &= _inside(found.warps.position, _original_shape(enlarged[other]), 1)
-        refined[other, tracks[index[good]]] = found.warps.position[good]
-        sigmas[other, tracks[index[good]]] = np.sqrt(variance[good])
-        own_variance[other, index[good]] = variance[good]
-    kept = np.isfinite(own_variance).any(axis=0)
-    refined[view, tracks[kept]] = centres[kept]
-    sigmas[view, tracks[kept]] = np.sqrt(np.nanmedian(own_variance[:, kept], axis=0))
+        aligned = align(templates[index], enlarged[other], start, config.max_iterations)
+        good = _acceptable(aligned, start, config)
+        good &= _inside(aligned.warps.position, _original_shape(enlarged[other]), 1)
+        kept = tracks[index[good]]
+        found.points[other, kept] = aligned.warps.position[good]
+        found.residuals[other, kept] = aligned.residual[good]
+        found.white_sigmas[other, kept] = _white_sigma(aligned, templates.noise_gain[index])[good]
 
 
-def _variance(found: Alignment, noise_gain: Array) -> Array:
-    """Variance per axis, (n,), mean of the two axes."""
-    spread = found.residual[:, None, None] ** 2 * noise_gain
-    covariance = found.warps.shape @ spread @ found.warps.shape.transpose(0, 2, 1)
-    return np.asarray(SIGMA_FLOOR**2 + SIGMA_SCALE**2 * 0.5 * np.trace(covariance, axis1=1, axis2=2))
+def _white_sigma(aligned: Alignment, noise_gain: Array) -> Array:
+    """Standard deviation per axis (n,), mean of the two axes, if the residual is white noise."""
+    spread = aligned.residual[:, None, None] ** 2 * noise_gain
+    covariance = aligned.warps.shape @ spread @ aligned.warps.shape.transpose(0, 2, 1)
+    return np.asarray(np.sqrt(0.5 * np.trace(covariance, axis1=1, axis2=2)))
 
 
-def _acceptable(found: Alignment, start: Warps, config: TrackingConfig) -> NDArray[np.bool_]:
-    change = np.linalg.solve(start.shape, found.warps.shape) - np.eye(2)
+def _acceptable(aligned: Alignment, start: Warps, config: TrackingConfig) -> NDArray[np.bool_]:
+    change = np.linalg.solve(start.shape, aligned.warps.shape) - np.eye(2)
     return np.asarray(
-        (np.linalg.norm(found.warps.position - start.position, axis=1) < config.max_wander)
-        & (found.correlation > config.min_correlation)
-        & (found.last_step < MAX_LAST_STEP_PX)
+        (np.linalg.norm(aligned.warps.position - start.position, axis=1) < config.max_wander)
+        & (aligned.correlation > config.min_correlation)
+        & (aligned.last_step < MAX_LAST_STEP_PX)
         & (np.abs(change).max(axis=(1, 2)) < MAX_SHAPE_CHANGE)
     )
 

@@ -40,9 +40,12 @@ def epipolar_geometry(points_a: Array, points_b: Array, same_orientation: bool, 
             raise NoEpipolarGeometryError(str(failure)) from failure
         x, y, z = np.asarray(foe, np.float64).ravel()
         return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    fundamental, _ = cv2.findFundamentalMat(
-        points_a, points_b, cv2.USAC_MAGSAC, threshold, MAGSAC_CONFIDENCE, MAGSAC_ITERATIONS
-    )
+    try:
+        fundamental, _ = cv2.findFundamentalMat(
+            points_a, points_b, cv2.USAC_MAGSAC, threshold, MAGSAC_CONFIDENCE, MAGSAC_ITERATIONS
+        )
+    except cv2.error:  # OpenCV 4.14 asserts a model where its estimator found none
+        fundamental = None
     if fundamental is None or fundamental.shape != (3, 3):
         raise NoEpipolarGeometryError("no fundamental matrix fits the matches")
     return np.asarray(fundamental, np.float64)

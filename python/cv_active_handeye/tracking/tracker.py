@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 import cv_active_handeye as cah
 
 from .config import TrackingConfig
-from .features import Array, Array32, Features, detect_features, grey_image
+from .features import Array, Array32, Features, detect_features, grey_image, normalise_brightness
 from .matching import Indices, Pair, match_pair, nearest_copy, select_pairs
 from .merging import merge_matches
 from .refinement import Observations, refine_tracks
@@ -114,7 +114,7 @@ def _checked_images(images: Sequence[NDArray[np.generic]]) -> list[Array32]:
         if grey.shape != greys[0].shape:
             sizes = [f"{g.shape[1]} x {g.shape[0]}" for g in (greys[0], grey)]
             raise TrackingError(f"images: need equal sizes, image 0 is {sizes[0]} and image {index} is {sizes[1]}")
-    return greys
+    return normalise_brightness(greys)
 
 
 def _match_views(
