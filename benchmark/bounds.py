@@ -33,9 +33,9 @@ def jacobians(scene: Scene) -> tuple[Array, Array]:
 def information(scene: Scene, sigma: float, tracks: list[list[int]]) -> Array:
     """Fisher information (11, 11) of the parameters with the points eliminated.
 
-    `tracks`: lists of views within which a point counts as one unknown. One list with all views: the full problem. One list
-    per group of equal orientation: the problem of the translations alone, which does not know that the groups see the same
-    points (t_cam2gripper has no information there).
+    `tracks`: lists of views within which a point counts as one unknown. One list with all views: the full problem. One
+    list per group of equal orientation: the problem of the translations alone, which does not know that the groups see
+    the same points (t_cam2gripper has no information there).
     """
     J, B = jacobians(scene)
     total = np.zeros((PARAMETERS, PARAMETERS))
@@ -53,21 +53,21 @@ def information(scene: Scene, sigma: float, tracks: list[list[int]]) -> Array:
 
 
 def translations_bound(scene: Scene, sigma: float, free: Array) -> Array:
-    """Covariance (8, 8) no unbiased estimate from the translations alone can undercut. `free` (8, k): directions left free."""
+    """Covariance (8, 8) of K and R from the translations alone; `free` (8, k) are the directions that are not fixed."""
     S = information(scene, sigma, scene.groups)[CAMERA, CAMERA]
     return np.asarray(free @ np.linalg.inv(free.T @ S @ free) @ free.T)
 
 
 def rotation_bounds(scene: Scene, sigma: float, camera_covariance: Array) -> tuple[Array, Array]:
-    """Covariances (3, 3) of t_cam2gripper: with K and R_cam2gripper known, and with an estimate of them from the translations.
+    """Covariances (3, 3) of t_cam2gripper: for K and R known, and for K and R estimated from the translations.
 
-    The second one adds what the error of K and R (`camera_covariance`, 8 x 8) does to t. Both errors are not correlated:
-    within one group a change of t is a change of all points, which the translations' estimate does not see.
+    The second one adds what the error of K and R (`camera_covariance`, 8 x 8) does to t. The two parts are not
+    correlated: within one group a change of t is a change of all points, which the translations do not see.
     """
     S = information(scene, sigma, [list(range(len(scene.R_gripper2base)))])
-    known = np.linalg.inv(S[TRANSLATION, TRANSLATION])
+    known = np.asarray(np.linalg.inv(S[TRANSLATION, TRANSLATION]), dtype=np.float64)
     influence = known @ S[TRANSLATION, CAMERA]
-    return known, known + influence @ camera_covariance @ influence.T
+    return known, np.asarray(known + influence @ camera_covariance @ influence.T)
 
 
 def joint_bound(scene: Scene, sigma: float, free: Array) -> Array:

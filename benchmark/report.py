@@ -30,7 +30,9 @@ class Table:
         numeric = [all(not isinstance(row[i], str) for row in self.rows) for i in range(len(self.columns))]
         rule = ["-" * (w - 1) + (":" if n else "-") for w, n in zip(widths, numeric, strict=True)]
         lines = [
-            "| " + " | ".join(c.rjust(w) if n else c.ljust(w) for c, w, n in zip(row, widths, numeric, strict=True)) + " |"
+            "| "
+            + " | ".join(c.rjust(w) if n else c.ljust(w) for c, w, n in zip(row, widths, numeric, strict=True))
+            + " |"
             for row in [cells[0], rule, *cells[1:]]
         ]
         note = f"\n\n{self.note}" if self.note else ""
@@ -98,7 +100,9 @@ def format_cell(cell: Cell) -> str:
         return "-"
     if not isinstance(cell, float):
         return str(cell)
-    return f"{cell:.0f}" if 1e3 <= abs(cell) < 1e6 else f"{cell:.3g}" if abs(cell) < 1e-3 else f"{cell:#.4g}".rstrip(".")
+    return (
+        f"{cell:.0f}" if 1e3 <= abs(cell) < 1e6 else f"{cell:.3g}" if abs(cell) < 1e-3 else f"{cell:#.4g}".rstrip(".")
+    )
 
 
 def parser(description: str) -> argparse.ArgumentParser:
@@ -114,7 +118,9 @@ def finish(report: Report, output: Path | None) -> int:
     if output:
         report.save(output)
     for measure in report.missed:
-        print(f"MISSED {measure.name}: {format_cell(measure.value)}, limit {format_cell(measure.limit)}", file=sys.stderr)
+        print(
+            f"MISSED {measure.name}: {format_cell(measure.value)}, limit {format_cell(measure.limit)}", file=sys.stderr
+        )
     return 1 if report.missed else 0
 
 

@@ -1,0 +1,43 @@
+# SPDX-FileCopyrightText: 2026 active_handeye contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Reports of the benchmarks: exit status, markdown, and the way to JSON and back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from benchmark.report import Measure, Report, Table, finish
+
+TABLE = Table("Times", ("call", "time [ms]"), [["ours", 0.123456], ["theirs", None]], "one thread")
+
+
+@pytest.mark.parametrize(
+    ("value", "at_least", "kept"),
+    [(1.0, False, True), (1.1, False, False), (1.1, True, True), (0.9, True, False), (float("nan"), False, False)],
+)
+def test_a_measure_is_kept_on_its_side_of_the_limit(value: float, at_least: bool, kept: bool) -> None:
+    assert Measure("ratio", value, 1.0, at_least).kept is kept
+
+
+def test_finish_names_missed_measures_and_returns_1(capsys: pytest.CaptureFixture[str]) -> None:
+    assert finish(Report("Speed", "one run", [TABLE], [Measure("ratio", 2.0, 1.0)]), None) == 1
+    assert "MISSED ratio: 2.000, limit 1.000" in capsys.readouterr().err
+    assert finish(Report("Speed", "one run", [TABLE], [Measure("ratio", 0.5, 1.0)]), None) == 0
+
+
+def test_markdown_has_aligned_columns() -> None:
+    text = TABLE.markdown()
+    assert "| call   | time [ms] |" in text
+    assert "| ours   |    0.1235 |" in text
+    assert "| theirs |         - |" in text
+    assert text.endswith("one thread\n")
+
+
+def test_a_report_comes_back_from_json(tmp_path: Path) -> None:
+    report = Report("Speed", "one run", [TABLE], [Measure("ratio", 0.5, 1.0, True)])
+    report.save(tmp_path / "speed.json")
+    loaded = Report.load(tmp_path / "speed.json")
+    assert loaded.markdown() == report.markdown()
+    assert loaded.missed == report.missed
