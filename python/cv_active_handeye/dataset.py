@@ -32,6 +32,10 @@ IMAGE_FOLDER = "images"
 Image = NDArray[np.uint8] | NDArray[np.uint16]
 
 
+# libyaml writes much faster, where PyYAML was built with it.
+_Dumper: type[Any] = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
+
+
 class Dataset:
     """A data set on disk. `Dataset.create` starts one, `add_view` extends it, `Dataset.open` reads it."""
 
@@ -71,18 +75,22 @@ class Dataset:
 
     @property
     def camera(self) -> CameraInfo:
+        """What is known of the camera."""
         return self._content.camera
 
     @property
     def laser(self) -> LaserInfo | None:
+        """What is known of the laser, None without one."""
         return self._content.laser
 
     @property
     def description(self) -> str:
+        """Free text."""
         return self._content.description
 
     @property
     def views(self) -> tuple[View, ...]:
+        """All stops recorded so far."""
         return self._content.views
 
     def __len__(self) -> int:
@@ -212,9 +220,8 @@ class Dataset:
         ]
 
     def _write(self, content: Content) -> None:
-        text = yaml.safe_dump(
-            content.model_dump(), sort_keys=False, default_flow_style=None, width=200, allow_unicode=True
-        )
+        style: dict[str, Any] = {"sort_keys": False, "default_flow_style": None, "width": 200, "allow_unicode": True}
+        text: str = yaml.dump(content.model_dump(), Dumper=_Dumper, **style)
         write_atomic(self.folder / FILE_NAME, text.encode())
         self._content = content
 

@@ -15,6 +15,8 @@ PixelFormat = Literal["mono8", "mono16", "bgr8", "bgr16"]
 
 
 class Strict(BaseModel):
+    """A map of a data set file: keys that are not listed are refused."""
+
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
 
 

@@ -91,7 +91,7 @@ def compare(
             continue
         K, D = result.camera_matrix, result.distortion_coefficients
         X = _transform(result.R_cam2gripper, result.t_cam2gripper)
-        score = _score(name, dataset, points, objects, camera.views, K, D, X)
+        score = score_hand_eye(name, dataset, points, objects, camera.views, K, D, X)
         rows.append(replace(score, camera=(K, D)))
     return Comparison(camera, rows)
 
@@ -140,7 +140,7 @@ def opencv_hand_eye(
         missing = f"OpenCV {cv2.__version__} for Python has no calibrateHandEye"
         return [MethodResult(f"OpenCV {name}", problem=missing) for name in METHODS]
     K, D = camera.camera_matrix, camera.distortion
-    poses = _board_poses(points, objects, camera.views, K, D)
+    poses = board_poses(points, objects, camera.views, K, D)
     R_g2b = [dataset.R_gripper2base[i] for i in camera.views]
     t_g2b = [dataset.t_gripper2base[i].reshape(3, 1) for i in camera.views]
     R_b2c, t_b2c = [pose[:3, :3] for pose in poses], [pose[:3, 3:] for pose in poses]
@@ -155,7 +155,7 @@ def opencv_hand_eye(
         if not np.isfinite(X).all():
             rows.append(MethodResult(f"OpenCV {name}", problem="gave NaN"))
             continue
-        rows.append(_score(f"OpenCV {name}", dataset, points, objects, camera.views, K, D, X))
+        rows.append(score_hand_eye(f"OpenCV {name}", dataset, points, objects, camera.views, K, D, X))
     return rows
 
 
@@ -165,7 +165,7 @@ def _transform(R: Any, t: Any) -> FloatArray:
     return T
 
 
-def _board_poses(
+def board_poses(
     points: FloatArray, objects: FloatArray, views: list[int], K: FloatArray, D: FloatArray
 ) -> list[FloatArray]:
     """Board to camera, one (4, 4) per view."""
@@ -177,7 +177,7 @@ def _board_poses(
     return poses
 
 
-def _score(
+def score_hand_eye(
     name: str,
     dataset: Dataset,
     points: FloatArray,
@@ -190,7 +190,7 @@ def _score(
     """How well the board stands still in the base frame when the camera is K, D and cam2gripper is X."""
     R, t = dataset.R_gripper2base, dataset.t_gripper2base
     gripper = [_transform(R[i], t[i]) for i in views]
-    board2base = [G @ X @ B for G, B in zip(gripper, _board_poses(points, objects, views, K, D), strict=True)]
+    board2base = [G @ X @ B for G, B in zip(gripper, board_poses(points, objects, views, K, D), strict=True)]
     centre = objects.mean(axis=0)
     positions = np.array([B[:3, :3] @ centre + B[:3, 3] for B in board2base])
     U, _, Vt = np.linalg.svd(sum(B[:3, :3] for B in board2base))
