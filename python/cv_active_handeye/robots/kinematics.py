@@ -189,7 +189,7 @@ class SerialArm:
 def straight_line(start: Array, end: Array, step_m: float, step_deg: float) -> Array:
     """Return poses (N, 4, 4) from start to end in steps of at most `step_m` and `step_deg`, both ends included."""
     turn = Rotation.from_matrix(np.stack([start[:3, :3], end[:3, :3]]))
-    angle = np.degrees((turn[0].inv() * turn[1]).magnitude())
+    angle = float(np.degrees((turn[0].inv() * turn[1]).magnitude()))
     length = float(np.linalg.norm(end[:3, 3] - start[:3, 3]))
     fraction = np.linspace(0.0, 1.0, max(1, int(np.ceil(max(length / step_m, angle / step_deg)))) + 1)
     out = np.tile(np.eye(4), (len(fraction), 1, 1))

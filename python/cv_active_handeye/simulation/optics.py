@@ -38,7 +38,7 @@ class Camera:
             ideal += step
             if np.abs(step).max(initial=0.0) < 1e-13:
                 break
-        if np.abs(self._distort(ideal) - target).max(initial=0.0) > 1e-12:
+        if not self._is_solution(ideal, target):
             raise ValueError(f"distortion: needs a model that can be inverted over the image, got {self.D.tolist()}")
         return np.column_stack([ideal, np.ones(len(ideal))])
 
@@ -56,6 +56,11 @@ class Camera:
             [x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y],
             axis=1,
         )
+
+    def _is_solution(self, ideal: Array, target: Array) -> bool:
+        """Whether `ideal` maps to `target` without a fold of the model before it."""
+        axis = np.linalg.eigvals(self._jacobian(ideal)).real
+        return bool((axis > 0).all() and np.abs(self._distort(ideal) - target).max(initial=0.0) <= 1e-12)
 
     def _jacobian(self, ideal: Array) -> Array:
         k1, k2, p1, p2, k3 = self.D

@@ -66,23 +66,23 @@ class Scene:
         texel = texel_mm / 1000
         self._axes = np.stack([p.axes for p in patches]) / texel
         self._origin = np.stack([p.axes @ p.origin for p in patches]) / texel
-        self._shape = np.array([[int(p.size[1] / texel) + 3, int(p.size[0] / texel) + 3] for p in patches])
-        self._start = np.concatenate([[0], np.cumsum(self._shape.prod(axis=1))])
+        self.texture_shape = np.array([[int(p.size[1] / texel) + 3, int(p.size[0] / texel) + 3] for p in patches])
+        self.texture_start = np.concatenate([[0], np.cumsum(self.texture_shape.prod(axis=1))])
 
     def _bake(
         self, texel_mm: float, lamps: list[Lamp], ambient: float, repeat_mm: float, rng: np.random.Generator
     ) -> None:
         tile_seed = int(rng.integers(2**32))
-        self.albedo = np.empty(self._start[-1], np.float32)
-        self.radiance = np.empty(self._start[-1], np.float32)
+        self.albedo = np.empty(self.texture_start[-1], np.float32)
+        self.radiance = np.empty(self.texture_start[-1], np.float32)
         lights = light.bake(self.patches, lamps, ambient, self._caster.intersects_first)
         for i, (patch, irradiance) in enumerate(zip(self.patches, lights, strict=True)):
-            shape = (int(self._shape[i, 0]), int(self._shape[i, 1]))
+            shape = (int(self.texture_shape[i, 0]), int(self.texture_shape[i, 1]))
             if repeat_mm > 0:
                 albedo = tile(shape, texel_mm, np.random.default_rng(tile_seed), repeat_mm)
             else:
                 albedo = synthesize(STYLES[patch.style], shape, texel_mm, rng)[::-1]  # rows go up on the part
-            span = slice(self._start[i], self._start[i + 1])
+            span = slice(self.texture_start[i], self.texture_start[i + 1])
             self.albedo[span] = albedo.ravel()
             self.radiance[span] = (albedo * light.stretched(irradiance, shape)).ravel()
 
@@ -103,12 +103,12 @@ class Scene:
         """Return the texture `image` (`albedo` or `radiance`), bilinear, at points (N, 3) on triangles (N,)."""
         patch = self.patch_index[triangle]
         where = np.einsum("nij,nj->ni", self._axes[patch], point) - self._origin[patch]
-        shape = self._shape[patch]
+        shape = self.texture_shape[patch]
         where = np.clip(where, 0.0, shape[:, ::-1] - 1.001)
         cell = where.astype(np.int64)
         fu, fv = (where - cell).T.astype(np.float32)
         stride = shape[:, 1]
-        index = self._start[patch] + cell[:, 1] * stride + cell[:, 0]
+        index = self.texture_start[patch] + cell[:, 1] * stride + cell[:, 0]
         top = image[index] * (1 - fu) + image[index + 1] * fu
         bottom = image[index + stride] * (1 - fu) + image[index + stride + 1] * fu
         return np.asarray(top * (1 - fv) + bottom * fv, dtype=np.float32)
