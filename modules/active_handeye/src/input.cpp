@@ -164,6 +164,11 @@ Matrix3d readRotation(InputArray R, const char* name)
     return toRotation(numbersOf(R.getMat()), name);
 }
 
+Vector3d readVector3(InputArray v, const char* name)
+{
+    return toVector3(numbersOf(v.getMat()), name);
+}
+
 std::vector<Matrix3d> readRotations(InputArrayOfArrays R, const char* name)
 {
     const std::vector<Numbers> list = readList(R);

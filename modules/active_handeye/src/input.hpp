@@ -19,6 +19,9 @@ double readPositive(double value, const char* name);
 //! One 3x3 rotation or rotation vector; at most 1e-6 from orthonormal, det +1.
 Eigen::Matrix3d readRotation(InputArray R, const char* name);
 
+//! One vector of 3 finite numbers.
+Eigen::Vector3d readVector3(InputArray v, const char* name);
+
 //! V rotations (3x3) or rotation vectors.
 std::vector<Eigen::Matrix3d> readRotations(InputArrayOfArrays R, const char* name);
 

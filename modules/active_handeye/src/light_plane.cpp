@@ -206,14 +206,14 @@ bool LightPlaneCalibration::dropContradictions()
     std::vector<double> errors;
     for (const StripeSurface& surface : surfaces)
         for (const StripeView& view : surface.views)
-            errors.push_back(lineError(camera.K, light_, surface, view));
+            errors.push_back(lineError(camera.K, light_, surface.plane, view));
     std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
     const double limit = std::max(1., 5 * errors[errors.size() / 2]); // px
     bool any = false;
     for (StripeSurface& surface : surfaces)
         for (size_t v = surface.views.size(); v-- > 0;)
         {
-            const double error = lineError(camera.K, light_, surface, surface.views[v]);
+            const double error = lineError(camera.K, light_, surface.plane, surface.views[v]);
             if (error <= limit)
                 continue;
             drop(surface, v, error);
@@ -308,7 +308,7 @@ double LightPlaneCalibration::rms() const
     for (const StripeSurface& surface : surfaces)
         for (const StripeView& view : surface.views)
         {
-            squares += view.line.squares + view.line.points * std::pow(lineError(camera.K, light_, surface, view), 2);
+            squares += view.line.squares + view.line.points * std::pow(lineError(camera.K, light_, surface.plane, view), 2);
             points += view.line.points;
         }
     return std::sqrt(squares / points);

@@ -28,9 +28,9 @@ static double pixelDistance(const Vector3d& line, const Vector2d& pixel)
     return line.dot(pixel.homogeneous()) / line.head<2>().norm();
 }
 
-double lineError(const Matrix3d& K, const LightPlane& light, const StripeSurface& surface, const StripeView& view)
+double lineError(const Matrix3d& K, const LightPlane& light, const Vector4d& surface, const StripeView& view)
 {
-    const Vector3d line = K.inverse().transpose() * interpretationPlane(light, surface.plane, view.displacement);
+    const Vector3d line = K.inverse().transpose() * interpretationPlane(light, surface, view.displacement);
     const double first = pixelDistance(line, view.line.end(0)), second = pixelDistance(line, view.line.end(1));
     return std::sqrt(0.5 * (first * first + second * second));
 }

@@ -83,7 +83,7 @@ double agreement(const LightPlane& light, const Matrix3d& K, const StripeSurface
     agreeing.clear();
     for (int v = 0; v < int(surface.views.size()); ++v)
     {
-        const double error = lineError(K, light, surface, surface.views[v]);
+        const double error = lineError(K, light, surface.plane, surface.views[v]);
         const bool agrees = error <= startTolerance; // false for NaN
         cost += agrees ? error * error : startTolerance * startTolerance;
         if (agrees)
