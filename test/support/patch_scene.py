@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """A small scene of textured rectangles with exact correspondences, rendered in numpy for fast tests of the tracker.
 
-It shares no code with the simulated cell, so it checks the tracker independently. Lengths are metres, the base frame has
-z up and poses are those of the camera (cam2base, 4x4); pixel centres are at integer coordinates as in OpenCV.
+It shares no code with the simulated cell, so it checks the tracker independently. Lengths are metres, the base frame
+has z up and poses are those of the camera (cam2base, 4x4); pixel centres are at integer coordinates as in OpenCV.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import cv2
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Texture = Callable[[int, int], NDArray[np.float32]]
 TEXTURE_PIXELS_PER_METRE = 6000.0
 
 
@@ -74,12 +76,11 @@ class PatchScene:
         v = (np.arange(self.height * samples) + 0.5) / samples - 0.5
         pixels = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
         hit, a, b, _ = self._cast(cam2base, pixels)
-        fine = np.full(len(pixels), 20.0, np.float32)
+        fine: NDArray[np.float32] = np.full(len(pixels), 20.0, np.float32)
         for index, rectangle in enumerate(self.rectangles):
             on = hit == index
             at = [np.float32(x[on] * TEXTURE_PIXELS_PER_METRE).reshape(1, -1) for x in (a, b)]
             fine[on] = _bilinear(rectangle.texture, at[0].ravel(), at[1].ravel())
-        fine = fine.reshape(self.height * samples, self.width * samples)
         coarse = fine.reshape(self.height, samples, self.width, samples).mean(axis=(1, 3))
         image = cv2.GaussianBlur(coarse, (0, 0), self.blur_px) * gain
         image = image + self.noise * self.rng.standard_normal(image.shape)
@@ -127,47 +128,48 @@ def _bilinear(texture: NDArray[np.float32], x: NDArray[np.float32], y: NDArray[n
     return np.asarray(top * (1 - fy) + bottom * fy, np.float32)
 
 
-def workbench(seed: int = 1, texture: str = "natural", width: int = 640, height: int = 480) -> PatchScene:
-    """A table with two tilted plates and a raised one, centred on the base origin."""
+def plate(
+    centre: Sequence[float], size: tuple[float, float], tilt_deg: tuple[float, float], texture: Texture
+) -> Rectangle:
+    """A rectangle about `centre`, tilted about x and then about its own y."""
+    rotation = _rotation(tilt_deg[0], 0.0, 0.0) @ _rotation(0.0, tilt_deg[1], 0.0)
+    corner = np.array(centre) - 0.5 * (size[0] * rotation[:, 0] + size[1] * rotation[:, 1])
+    height, width = (int(s * TEXTURE_PIXELS_PER_METRE) + 2 for s in size[::-1])
+    return Rectangle(corner, rotation[:, 0], rotation[:, 1], size, texture(height, width))
+
+
+def workbench(seed: int = 1, repeated: bool = False, table: float = 0.4, **settings: float) -> PatchScene:
+    """A table of `table` metres with two tilted plates and a raised one, centred on the base origin.
+
+    settings: fields of `PatchScene`.
+    """
     rng = np.random.default_rng(seed)
 
-    def rectangle(centre: tuple[float, float, float], size: tuple[float, float], tilt_x: float, tilt_y: float) -> Rectangle:
-        rotation = cv2.Rodrigues(np.radians([tilt_x, 0.0, 0.0]))[0] @ cv2.Rodrigues(np.radians([0.0, tilt_y, 0.0]))[0]
-        side_u, side_v = rotation[:, 0], rotation[:, 1]
-        corner = np.array(centre) - 0.5 * (size[0] * side_u + size[1] * side_v)
-        shape = [int(s * TEXTURE_PIXELS_PER_METRE) + 2 for s in size]
-        make = natural_texture if texture == "natural" else repeated_texture
-        return Rectangle(corner, side_u, side_v, size, make(rng, shape[1], shape[0]))
+    def natural(height: int, width: int) -> NDArray[np.float32]:
+        return natural_texture(rng, height, width)
+
+    def tiles(height: int, width: int) -> NDArray[np.float32]:
+        return repeated_texture(rng, height, width)
 
     plates = [
-        rectangle((0.0, 0.0, 0.0), (0.6, 0.6), 0, 0),
-        rectangle((-0.05, 0.03, 0.03), (0.08, 0.06), 15, -10),
-        rectangle((0.06, -0.03, 0.03), (0.07, 0.07), -10, 20),
-        rectangle((0.03, 0.06, 0.05), (0.08, 0.04), 0, 0),
+        plate((0.0, 0.0, 0.0), (table, table), (0, 0), tiles if repeated else natural),
+        plate((-0.05, 0.03, 0.03), (0.08, 0.06), (15, -10), natural),
+        plate((0.06, -0.03, 0.03), (0.07, 0.07), (-10, 20), natural),
+        plate((0.03, 0.06, 0.05), (0.08, 0.04), (0, 0), natural),
     ]
-    return PatchScene(plates, width=width, height=height, rng=rng)
+    return PatchScene(plates, rng=rng, **settings)  # type: ignore[arg-type]
 
 
-def looking_down(position: tuple[float, float, float], turn_deg: float = 0.0, tilt_x_deg: float = 0.0,
-                 tilt_y_deg: float = 0.0) -> Array:
-    """cam2base of a camera above the table, optical axis down, turned about it and then tilted about its own x and y."""
-    base = np.diag([1.0, -1.0, -1.0])
-    tilt = cv2.Rodrigues(np.radians([tilt_x_deg, 0.0, 0.0]))[0] @ cv2.Rodrigues(np.radians([0.0, tilt_y_deg, 0.0]))[0]
+def looking_at(
+    target: Sequence[float], stand_off: float, turn_deg: float, tilt_x_deg: float, tilt_y_deg: float
+) -> Array:
+    """cam2base of a camera looking down at `target`, turned about its optical axis, tilted about its x and y."""
     cam2base = np.eye(4)
-    cam2base[:3, :3] = base @ tilt @ cv2.Rodrigues(np.radians([0.0, 0.0, turn_deg]))[0]
-    cam2base[:3, 3] = position
+    tilt = _rotation(tilt_x_deg, 0.0, 0.0) @ _rotation(0.0, tilt_y_deg, 0.0)
+    cam2base[:3, :3] = np.diag([1.0, -1.0, -1.0]) @ tilt @ _rotation(0.0, 0.0, turn_deg)
+    cam2base[:3, 3] = np.array(target) - stand_off * cam2base[:3, 2]
     return cam2base
 
 
-def recording(stand_off: float = 0.55) -> list[Array]:
-    """14 camera poses: two groups of five translations, two orientations (turned by 90, tilted) with two stops each."""
-    steps = [(0, 0, 0), (0.05, 0, 0.01), (0, 0.05, -0.01), (-0.03, -0.03, 0.03), (0.02, -0.04, 0.05)]
-    plan = [(0.0, 0.0, 0.0, steps), (20.0, 18.0, 5.0, steps), (90.0, 0.0, -12.0, steps[:2]), (-30.0, -22.0, 15.0, steps[1:3])]
-    poses = []
-    for turn, tilt_x, tilt_y, offsets in plan:
-        axis = looking_down((0, 0, 0), turn, tilt_x, tilt_y)[:3, 2]
-        centre = -stand_off * axis
-        for step in offsets:
-            x, y, z = centre + np.array(step)
-            poses.append(looking_down((float(x), float(y), float(z)), turn, tilt_x, tilt_y))
-    return poses
+def _rotation(x_deg: float, y_deg: float, z_deg: float) -> Array:
+    return np.asarray(cv2.Rodrigues(np.radians([x_deg, y_deg, z_deg]))[0], np.float64)

@@ -28,11 +28,11 @@ class TrackingConfig(BaseModel):
     """Features kept in one image, strongest first."""
 
     ratio: Fraction = 0.8
-    """Largest descriptor distance of a match, as a fraction of the distance to the nearest other feature of either image."""
+    """Largest descriptor distance of a match, as a fraction of that to the nearest other feature of either image."""
 
     copy_distance: Annotated[float, Field(ge=0.0, lt=1.4)] = 0.33
-    """A feature with a copy in its own image that is nearer than this (RootSIFT distance, 0 to 1.4) is ambiguous and not
-    used. On textures that do not repeat, 99 % of the features have no copy nearer than 0.37."""
+    """A feature with a copy in its own image that is nearer than this (RootSIFT distance, 0 to 1.4) is ambiguous and
+    not used. On textures that do not repeat, 99 % of the features have no copy nearer than 0.37."""
 
     all_pairs_up_to: Annotated[int, Field(ge=2)] = 16
     """Up to this number of views every pair is matched; beyond it, see `matching.select_pairs`."""
@@ -41,8 +41,8 @@ class TrackingConfig(BaseModel):
     """A pair of views with fewer matches, before or after geometric rejection, is left out."""
 
     match_threshold: Positive = 3.0
-    """Distance to the epipolar geometry at which a match is rejected. Lens distortion is not removed before tracking, so
-    this must exceed what it adds between two views."""
+    """Distance to the epipolar geometry at which a match is rejected. Lens distortion is not removed before tracking,
+    so this must exceed what it adds between two views."""
 
     min_inlier_fraction: Fraction = 0.5
     """A pair of views where fewer matches fit one motion is left out: on repeated texture, most are wrong."""

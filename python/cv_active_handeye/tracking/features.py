@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]
 
 BRIGHT = 200.0
+BGR_TO_GREY = np.array([0.114, 0.587, 0.299], np.float32)  # ITU-R BT.601
 
 
 @dataclass(frozen=True)
@@ -41,8 +42,8 @@ def grey_image(image: NDArray[np.generic], name: str) -> Array32:
         raise ValueError(f"{name}: need H x W or H x W x 3 of at least 32 x 32 pixels, got shape {image.shape}")
     grey = np.ascontiguousarray(image).astype(np.float32)
     if grey.ndim == 3:
-        grey = cv2.cvtColor(grey, cv2.COLOR_BGR2GRAY) if grey.shape[2] == 3 else grey[:, :, 0]
-    return np.asarray(grey, np.float32)
+        grey = grey @ BGR_TO_GREY if grey.shape[2] == 3 else grey[:, :, 0]
+    return np.ascontiguousarray(grey, np.float32)
 
 
 def normalise_brightness(greys: Sequence[Array32]) -> list[Array32]:
@@ -56,8 +57,11 @@ def normalise_brightness(greys: Sequence[Array32]) -> list[Array32]:
 
 
 def detect_features(grey: Array32, config: TrackingConfig) -> Features:
-    """Features of an image with grey values of 0 to 255: SIFT with precise upscaling: without it OpenCV's positions are biased by 0.25 px in x and y."""
-    detector = cv2.SIFT_create(
+    """Features of an image with grey values of 0 to 255.
+
+    SIFT with precise upscaling: without it, OpenCV's positions are biased by 0.25 px in x and y.
+    """
+    detector = cv2.SIFT.create(
         nfeatures=config.max_features,
         contrastThreshold=config.contrast_threshold,
         enable_precise_upscale=True,

@@ -68,7 +68,7 @@ def match_pair(a: Features, b: Features, copy_a: Array32, copy_b: Array32, confi
     found, second = _distance(nearest[i]), _distance(np.maximum(similarity.max(axis=1)[i], similarity.max(axis=0)[j]))
     copy = np.minimum(copy_a[i], copy_b[j])
     good = (found < config.ratio * np.minimum(second, copy)) & (copy > config.copy_distance)
-    return np.column_stack([i, j])[good]
+    return np.asarray(np.column_stack([i, j])[good], np.int64)
 
 
 def _distance(similarity: Array32) -> Array32:

@@ -22,7 +22,7 @@ def merge_matches(features: Sequence[Features], matches: Mapping[Pair, Indices],
     offsets = np.concatenate([[0], np.cumsum([len(f) for f in features])]).astype(np.int64)
     parent = np.arange(offsets[-1])
     for (a, b), pairs in matches.items():
-        for i, j in (pairs + [offsets[a], offsets[b]]).tolist():
+        for i, j in (pairs + offsets[[a, b]]).tolist():
             _union(parent, i, j)
     used = np.zeros(len(parent), bool)
     for (a, b), pairs in matches.items():

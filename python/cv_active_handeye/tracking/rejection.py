@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import combinations
 
 import cv2
@@ -78,7 +77,7 @@ def consistent_observations(points: Array, group_ids: Indices, reference: Indice
     return seen & seen[reference, np.arange(points.shape[1])]
 
 
-def _violations(points: Array, seen: Mask, group_ids: Sequence[int] | Indices, config: TrackingConfig) -> NDArray[np.int32]:
+def _violations(points: Array, seen: Mask, group_ids: Indices, config: TrackingConfig) -> NDArray[np.int32]:
     views, tracks = seen.shape
     violated = np.zeros((views, views, tracks), np.int32)
     for a, b in combinations(range(views), 2):

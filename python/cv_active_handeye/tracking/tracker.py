@@ -35,16 +35,18 @@ class Tracks:
     `imagePoints` of the calibration functions.
     sigmas (V, N): standard deviation per axis in pixels, NaN = not seen.
     reference (N,): the view whose patch defines the track. Errors of different views of a track are independent.
+    detected (V, N, 2): where the detector saw the points before refinement; for comparison.
     left_out: pairs of views that gave no matches, and why.
     """
 
     points: Array
     sigmas: Array
     reference: Indices
+    detected: Array
     left_out: dict[Pair, str]
 
     def __len__(self) -> int:
-        return self.points.shape[1]
+        return int(self.points.shape[1])
 
     @property
     def seen(self) -> NDArray[np.bool_]:
@@ -86,7 +88,7 @@ def track_points(
     matches, left_out = _match_views(features, pairs, group_ids, config, tell)
     detected = _detected_points(features, matches, left_out, config)
     refined = refine_tracks(greys, detected, config, lambda _: tell.step())
-    return _reject_and_pack(refined, group_ids, left_out, config)
+    return _reject_and_pack(refined, detected, group_ids, left_out, config)
 
 
 class _Counter:
@@ -167,12 +169,13 @@ def _detected_points(
 
 
 def _reject_and_pack(
-    refined: Observations, group_ids: Indices, left_out: dict[Pair, str], config: TrackingConfig
+    refined: Observations, detected: Array, group_ids: Indices, left_out: dict[Pair, str], config: TrackingConfig
 ) -> Tracks:
     good = consistent_observations(refined.points, group_ids, refined.reference, config)
     kept = np.count_nonzero(good, axis=0) >= min(config.min_views, len(good))
     if not kept.any():
         raise TrackingError("images: no track survived refinement; are they sharp, and of one unchanged scene?")
-    points = np.where(good[:, :, None], refined.points, np.nan)[:, kept]
-    sigmas = np.where(good, refined.sigmas, np.nan)[:, kept]
-    return Tracks(np.ascontiguousarray(points), np.ascontiguousarray(sigmas), refined.reference[kept], left_out)
+    good, reference = good[:, kept], refined.reference[kept]
+    points = np.where(good[:, :, None], refined.points[:, kept], np.nan)
+    sigmas = np.where(good, refined.sigmas[:, kept], np.nan)
+    return Tracks(points, sigmas, reference, np.where(good[:, :, None], detected[:, kept], np.nan), left_out)
