@@ -199,7 +199,8 @@ void requireDetermined(const Eigen::Matrix2d& JtJ, double sigma, double scale, d
     const double weakest = eigen.eigenvalues()[0], strongest = eigen.eigenvalues()[1];
     const double maxDeviation = 0.3; // of the direction in normalised coordinates, about 17 degrees on the image
     const bool determined = weakest > 1e-10 * strongest && sigma * scale < maxDeviation * std::sqrt(weakest);
-    if (displacement < 1e-9 || (!determined && displacement < 6 * sigma))
+    const double clearlyAboveNoise = 3; // displacements that are noise alone have 1.7 sigma
+    if (displacement < 1e-9 || displacement < clearlyAboveNoise * sigma)
         CV_Error(Error::StsNoConv,
                  cv::format("%s: no parallax; needed displacements well above the noise, given a median displacement of %.3g px at a "
                             "residual of %.3g px: translate farther, or come nearer to the scene",

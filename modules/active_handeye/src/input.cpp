@@ -127,7 +127,7 @@ double median(std::vector<double> values)
     return values[values.size() / 2];
 }
 
-//! Refuses a view whose translation is about 1000 times longer than most, or 1000 times shorter and then much like the others.
+//! Refuses a view whose translation is about 1000 times longer than most, or 1000 times shorter in much the same direction.
 void requireOneUnit(const AlignedVector<Pose>& poses)
 {
     std::vector<double> coordinates[3], lengths;
@@ -142,7 +142,8 @@ void requireOneUnit(const AlignedVector<Pose>& poses)
     for (size_t view = 0; view < poses.size(); ++view)
     {
         const bool tooLong = length > 0 && lengths[view] > 300 * length && lengths[view] < 3000 * length;
-        const bool tooShort = lengths[view] > 0 && (1000 * poses[view].t - typical).norm() < 0.3 * typical.norm();
+        const bool tooShort = lengths[view] > length / 3000 && lengths[view] < length / 300 &&
+                              poses[view].t.dot(typical) > 0.8 * lengths[view] * typical.norm();
         if (tooLong || tooShort)
             CV_Error(Error::StsBadArg,
                      cv::format("t_gripper2base[%d]: millimetres and metres seem to be mixed; needed one unit of length in all views, "

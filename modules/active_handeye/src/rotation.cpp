@@ -92,18 +92,11 @@ public:
     bool updateImages(const Vector4d&) CV_OVERRIDE { return false; }
     bool mirror(Vector4d&) CV_OVERRIDE { return false; }
 
-    //! Covariance of t for residuals of standard deviation sigma, in units of length^2; what is not observed is infinite.
-    Matrix3d covariance(const Matrix4d& S, double sigma, const Vector3d& axis) const
+    //! Covariance of t for residuals of standard deviation sigma, in units of length^2, within what is observed.
+    Matrix3d covariance(const Matrix4d& S, double sigma) const
     {
         const MatrixXd A = observed_.transpose() * S.topLeftCorner<3, 3>() * observed_;
-        Matrix3d C = sigma * sigma * observed_ * A.inverse() * observed_.transpose();
-        if (observed_.cols() == 3)
-            return C;
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j)
-                if (std::abs(axis[i] * axis[j]) > 1e-12)
-                    C(i, j) = std::copysign(std::numeric_limits<double>::infinity(), axis[i] * axis[j]);
-        return C;
+        return sigma * sigma * observed_ * A.inverse() * observed_.transpose();
     }
 
     double length = 0;   //!< unit of length of the problem
@@ -127,6 +120,26 @@ void requireTurns(const TurnDirections& turns, const AlignedVector<Pose>& poses,
                                           "axes that are not parallel, given only turns about (%.2f, %.2f, %.2f) in the gripper frame, (%.2f, %.2f, %.2f) in "
                                           "base coordinates: add a turn about an axis across it, such as (%.2f, %.2f, %.2f) in base coordinates, or "
                                           "set ROTATION_ALLOW_PARTIAL", a.x(), a.y(), a.z(), b.x(), b.y(), b.z(), across.x(), across.y(), across.z()));
+}
+
+//! Infinite variance along the axis, and infinite covariance with what it touches.
+void markUnobserved(const Vector3d& axis, Matrix3d& covariance)
+{
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (std::abs(axis[i] * axis[j]) > 1e-12)
+                covariance(i, j) = std::copysign(std::numeric_limits<double>::infinity(), axis[i] * axis[j]);
+}
+
+//! Robot noise instead of translations leaves the scale to chance.
+void requireScale(const Matrix3d& covariance, const MatrixXd& observed, double depth)
+{
+    const double largestShare = 0.3;
+    const MatrixXd known = observed.transpose() * covariance * observed;
+    const double deviation = std::sqrt(known.diagonal().maxCoeff());
+    if (!(deviation < largestShare * depth))
+        CV_Error(Error::StsNoConv, cv::format("t_gripper2base: t_cam2gripper is not determined; needed a standard deviation below %g of the distance of the "
+                                              "scene, given %.3g at a distance of %.3g: translate farther and turn more", largestShare, deviation, depth));
 }
 
 //! Points seen in views of different orientation carry the answer.
@@ -175,10 +188,14 @@ double calibrateHandEyeRotation(InputArrayOfArrays R_gripper2base, InputArrayOfA
                                    "places, given one place: add a translation");
     const TrackFit<RotationModel> fit = fitTracks(problem);
     const Vector3d t = fit.p.head<3>() * problem.length;
-    writeMatrix(t, t_cam2gripper);
     const int parameters = int(turns.observed.cols());
+    Matrix3d uncertainty = problem.covariance(fit.S, fit.sigma(parameters) * problem.length);
+    requireScale(uncertainty, turns.observed, fit.medianDepth * problem.length);
+    if (parameters < 3)
+        markUnobserved(turns.axis, uncertainty);
+    writeMatrix(t, t_cam2gripper);
     if (covariance.needed())
-        writeMatrix(problem.covariance(fit.S, fit.sigma(parameters) * problem.length, turns.axis), covariance);
+        writeMatrix(uncertainty, covariance);
     return fit.rms() * problem.pixelsPerUnit;
 }
 

@@ -48,30 +48,18 @@ public:
         }
     }
 
-    //! Leaves out the view whose absence lowers the residuals most, again and again while that helps decisively.
+    //! Leaves out the one or two views whose absence lowers the residuals decisively, again while views are suspect.
     void excludeContradictingViews()
     {
-        const double decisive = 0.3;
-        for (int round = 0; round < viewCount() / 3 && aViewIsSuspect(); ++round)
+        while (3 * std::count(excluded_.begin(), excluded_.end(), 1) < viewCount() && aViewIsSuspect())
         {
-            const double before = typicalResidual_;
-            int best = -1;
-            double bestResidual = decisive * before;
-            for (size_t view = 0; view < excluded_.size(); ++view)
+            const std::vector<char> before = excluded_;
+            if (!excludeBest(1) && !excludeBest(2))
             {
-                if (excluded_[view] || !observed_[view])
-                    continue;
-                excluded_[view] = 1;
+                excluded_ = before;
                 run();
-                if (typicalResidual_ < bestResidual)
-                    bestResidual = typicalResidual_, best = int(view);
-                excluded_[view] = 0;
-            }
-            if (best >= 0)
-                excluded_[best] = 1;
-            run();
-            if (best < 0)
                 return;
+            }
         }
     }
 
@@ -82,6 +70,7 @@ public:
         fit.S = S_;
         fit.cost = 0;
         fit.used = fit.redundancy = 0;
+        fit.medianDepth = medianOf(depth_);
         for (int j = 0; j < problem_.tracks.count(); ++j)
         {
             if (!points_[j].usable)
@@ -100,11 +89,37 @@ public:
     }
 
     bool isBehindCamera() const { return 2 * behind_ >= known_; }
-    double typicalResidual() const { return typicalResidual_; } //!< median over all observations of the views not excluded
+    double typicalResidual() const { return typicalResidual_; } //!< median length
     double parallax() const { return parallax_; }
     int viewCount() const { return int(observed_.size() - std::count(observed_.begin(), observed_.end(), 0)); } //!< with observations
 
 private:
+    //! Tries every set of `size` views; keeps the best one when it lowers the typical residual decisively.
+    bool excludeBest(int size)
+    {
+        const double decisive = 0.3;
+        const std::vector<char> before = excluded_;
+        std::vector<char> best;
+        double bestResidual = decisive * typicalResidual_;
+        const auto attempt = [&]
+        {
+            run();
+            if (typicalResidual_ < bestResidual)
+                bestResidual = typicalResidual_, best = excluded_;
+        };
+        for (size_t a = 0; a < before.size(); ++a)
+            for (size_t b = size == 1 ? a : a + 1; b < (size == 1 ? a + 1 : before.size()); ++b)
+                if (observed_[a] && observed_[b] && !before[a] && !before[b])
+                {
+                    excluded_ = before;
+                    excluded_[a] = excluded_[b] = 1;
+                    attempt();
+                }
+        excluded_ = best.empty() ? before : best;
+        run();
+        return !best.empty();
+    }
+
     void solve()
     {
         weights_.resize(observations_.size());
@@ -137,17 +152,7 @@ private:
 
     void findOutliers()
     {
-        std::vector<double> present;
-        present.reserve(squared_.size());
-        for (size_t o = 0; o < squared_.size(); ++o)
-            if (!std::isnan(squared_[o]) && !excluded_[observations_[o].view])
-                present.push_back(squared_[o]);
-        typicalResidual_ = std::numeric_limits<double>::infinity();
-        if (!present.empty())
-        {
-            std::nth_element(present.begin(), present.begin() + present.size() / 2, present.end());
-            typicalResidual_ = std::sqrt(present[present.size() / 2]);
-        }
+        typicalResidual_ = std::sqrt(medianOf(squared_));
         // The fit absorbs a part of the noise: of n numbers only r are redundant, which makes residuals sqrt(r / n) of it.
         const double redundant = double(2 * observations_.size()) - 3 * problem_.tracks.count() - double(Model::parameters);
         const double absorbed = std::sqrt(2 * observations_.size() / std::max(redundant, 1.));
@@ -159,6 +164,21 @@ private:
         for (size_t o = 0; o < squared_.size(); ++o)
             if (isOutlier(o))
                 ++outliers_, ++outliersOfView_[observations_[o].view];
+    }
+
+    //! Over the observations of the views not excluded; one without a value counts as infinite.
+    double medianOf(const std::vector<double>& values) const
+    {
+        const double infinity = std::numeric_limits<double>::infinity();
+        std::vector<double> present;
+        present.reserve(values.size());
+        for (size_t o = 0; o < values.size(); ++o)
+            if (!excluded_[observations_[o].view])
+                present.push_back(std::isnan(values[o]) ? infinity : values[o]);
+        if (present.empty())
+            return infinity;
+        std::nth_element(present.begin(), present.begin() + present.size() / 2, present.end());
+        return present[present.size() / 2];
     }
 
     bool isOutlier(size_t o) const { return !(depth_[o] > 0) || !(squared_[o] <= gateSquared_); }
@@ -182,11 +202,11 @@ private:
 
     bool mostlyOutliers(size_t view) const { return 2 * outliersOfView_[view] > observed_[view]; }
 
-    //! Either one view is mostly outliers, or the residuals are no small part of the parallax.
+    //! Either one view is mostly outliers, or the residuals are larger than image noise is.
     bool aViewIsSuspect() const
     {
-        const double largeShare = 0.02;
-        bool suspect = typicalResidual_ > largeShare * parallax_;
+        const double largeNoise = 0.5, largeShare = 0.02; // pixels; part of the parallax
+        bool suspect = typicalResidual_ * problem_.pixelsPerUnit > largeNoise || typicalResidual_ > largeShare * parallax_;
         for (size_t view = 0; view < excluded_.size(); ++view)
             suspect = suspect || (observed_[view] && !excluded_[view] && mostlyOutliers(view));
         return suspect;

@@ -44,6 +44,7 @@ struct TrackFit
     std::vector<int> rejectedViews;  //!< views that contradict the others
     double cost;                     //!< sum of squared residuals used, in units of Observation::x
     int used;                        //!< observations used
+    double medianDepth;              //!< of the observations
     int redundancy;                  //!< 2 x observations used - 3 x tracks used, before the parameters
 
     //! Noise of one coordinate of an image point.
