@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from support.patch_scene import natural_texture
 
 from cv_active_handeye.tracking import TrackingConfig
 from cv_active_handeye.tracking.features import detect_features, grey_image, normalise_brightness
 
 
-def texture() -> np.ndarray:
+def texture() -> NDArray[np.float32]:
     return natural_texture(np.random.default_rng(3), 300, 400)
 
 
@@ -35,9 +36,9 @@ def test_detect_features_of_an_empty_image_is_empty() -> None:
 
 @pytest.mark.parametrize("factor", [0.1, 40.0])
 def test_normalise_brightness_brings_dark_and_16_bit_recordings_to_the_same_grey_values(factor: float) -> None:
-    image = texture()
-    expected = normalise_brightness([image, 0.5 * image])
-    for ours, theirs in zip(normalise_brightness([factor * image, 0.5 * factor * image]), expected, strict=True):
+    image, scale, half = texture(), np.float32(factor), np.float32(0.5)
+    expected = normalise_brightness([image, half * image])
+    for ours, theirs in zip(normalise_brightness([scale * image, scale * half * image]), expected, strict=True):
         np.testing.assert_allclose(ours, theirs, rtol=1e-4)
     assert np.percentile(expected[0], 99) > 180
 

@@ -48,7 +48,7 @@ def test_nearest_copy_ignores_features_at_the_same_place() -> None:
     descriptors[1] = descriptors[0]
     points = np.array([[10.0, 10.0], [10.5, 10.0], [300.0, 40.0]])
     together = Features(points, descriptors / np.linalg.norm(descriptors, axis=1, keepdims=True))
-    apart = Features(points + [[0, 0], [50, 0], [0, 0]], together.descriptors)
+    apart = Features(points + np.array([[0, 0], [50, 0], [0, 0]]), together.descriptors)
     assert nearest_copy(together).min() > 0.3
     np.testing.assert_allclose(nearest_copy(apart)[:2], 0.0, atol=1e-3)
 

@@ -25,7 +25,7 @@ def grey(points: Array) -> NDArray[np.float32]:
 
 def image_through(homography: Array, size: tuple[int, int] = (200, 160)) -> NDArray[np.float32]:
     """Image whose pixel H(x) shows what the texture has at x."""
-    pixels = np.stack(np.meshgrid(np.arange(size[0]), np.arange(size[1])), axis=-1).reshape(-1, 2)
+    pixels = np.stack(np.meshgrid(np.arange(size[0]), np.arange(size[1])), axis=-1).reshape(-1, 2).astype(np.float64)
     mapped = np.column_stack([pixels, np.ones(len(pixels))]) @ np.linalg.inv(homography).T
     return grey(mapped[:, :2] / mapped[:, 2:]).reshape(size[1], size[0])
 
@@ -52,7 +52,7 @@ def test_align_finds_positions_under_turn_and_tilt(turn: float, tilt: float) -> 
     templates = make_templates(upsample(image_through(np.eye(3))), CENTRES, RADIUS)
     shape, perspective = local_warps(homography, CENTRES)
     truth = mapped(homography, CENTRES)
-    start = Warps(truth + [0.7, -0.6], shape @ np.array([[1.05, 0.04], [-0.03, 0.96]]), perspective)
+    start = Warps(truth + np.array([0.7, -0.6]), shape @ np.array([[1.05, 0.04], [-0.03, 0.96]]), perspective)
     found = align(templates, upsample(image_through(homography)), start, 20)
     np.testing.assert_allclose(found.warps.position, truth, atol=0.006)
     np.testing.assert_allclose(found.warps.shape, shape, atol=0.01)
@@ -64,7 +64,7 @@ def test_align_is_invariant_to_gain_and_offset() -> None:
     templates = make_templates(upsample(image_through(np.eye(3))), CENTRES, RADIUS)
     start = Warps(CENTRES.copy(), np.tile(np.eye(2), (5, 1, 1)), np.zeros((5, 2)))
     found = align(templates, upsample(0.4 * image_through(homography) + 35.0), start, 20)
-    np.testing.assert_allclose(found.warps.position, CENTRES + [0.37, -0.81], atol=0.004)
+    np.testing.assert_allclose(found.warps.position, CENTRES + np.array([0.37, -0.81]), atol=0.004)
     assert found.correlation.min() > 0.999
 
 
@@ -83,7 +83,10 @@ def test_align_states_the_scatter_of_white_noise() -> None:
     templates = make_templates(upsample(image_through(np.eye(3))), CENTRES, RADIUS)
     start = Warps(CENTRES.copy(), np.tile(np.eye(2), (5, 1, 1)), np.zeros((5, 2)))
     clean = image_through(np.eye(3))
-    runs = [align(templates, upsample(clean + 4 * rng.standard_normal(clean.shape)), start, 20) for _ in range(60)]
+    runs = [
+        align(templates, upsample(clean + 4 * rng.standard_normal(clean.shape, np.float32)), start, 20)
+        for _ in range(60)
+    ]
     scatter = np.std([run.warps.position for run in runs], axis=0)
     variance = np.mean([run.residual**2 for run in runs], axis=0)
     stated = np.sqrt(variance[:, None] * np.einsum("nii->ni", templates.noise_gain))

@@ -16,11 +16,12 @@ from .matching import SAME_PLACE_PX, Indices, Pair
 def merge_matches(features: Sequence[Features], matches: Mapping[Pair, Indices], min_views: int) -> Indices:
     """Tracks (V, N): index of the feature in every view, -1 where it has none.
 
-    Matches are joined by union-find. Where a track holds features at two places of one view, that view is dropped
-    from it; where this happens in more than half of its views the track is ambiguous and left out.
+    Matches are joined by union-find, and so are features at exactly one place (SIFT gives one for each orientation).
+    Where a track holds features at two places of one view, that view is dropped from it; where this happens in more
+    than half of its views the track is ambiguous and left out.
     """
     offsets = np.concatenate([[0], np.cumsum([len(f) for f in features])]).astype(np.int64)
-    parent = np.arange(offsets[-1])
+    parent = _same_places(features, offsets)
     for (a, b), pairs in matches.items():
         for i, j in (pairs + offsets[[a, b]]).tolist():
             _union(parent, i, j)
@@ -36,6 +37,15 @@ def merge_matches(features: Sequence[Features], matches: Mapping[Pair, Indices],
         if np.count_nonzero(column >= 0) >= min_views:
             columns.append(column)
     return np.array(columns, np.int64).reshape(-1, len(features)).T
+
+
+def _same_places(features: Sequence[Features], offsets: Indices) -> NDArray[np.int64]:
+    """Parents for union-find, (n,): the first feature at the same position of the same view."""
+    parents = []
+    for offset, found in zip(offsets, features, strict=False):
+        _, first, place = np.unique(found.points, axis=0, return_index=True, return_inverse=True)
+        parents.append(offset + first[place.ravel()])
+    return np.concatenate(parents).astype(np.int64)
 
 
 def _one_feature_a_view(nodes: Indices, offsets: Indices, features: Sequence[Features]) -> Indices:

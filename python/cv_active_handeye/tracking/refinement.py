@@ -63,7 +63,7 @@ def refine_tracks(
     found = _Found(np.full_like(points, np.nan), *(np.full(points.shape[:2], np.nan) for _ in range(2)))
     enlarged = [upsample(image) for image in images]
     for view, image in enumerate(images):
-        tracks = np.flatnonzero(reference == view)
+        tracks = _distinct(np.flatnonzero(reference == view), points, view)
         centres = np.rint(points[view, tracks])
         inside = _inside(centres, image.shape, config.patch_radius + 1)
         if inside.any():
@@ -119,6 +119,13 @@ def choose_references(points: Array, warps: dict[tuple[int, int], Array]) -> Ind
     seen = np.isfinite(points[:, :, 0])
     total = np.where(seen, cost @ seen, np.inf)
     return np.asarray(total.argmin(axis=0), np.int64)
+
+
+def _distinct(tracks: Indices, points: Array, view: int) -> Indices:
+    """Of tracks with the same reference patch, the one seen in most views; they would all end at the same positions."""
+    longest_first = tracks[np.argsort(-np.isfinite(points[:, tracks, 0]).sum(axis=0), kind="stable")]
+    _, first = np.unique(np.rint(points[view, longest_first]), axis=0, return_index=True)
+    return np.sort(longest_first[first])
 
 
 def _refine_from(
