@@ -291,4 +291,15 @@ Camera readCamera(InputArray cameraMatrix, InputArray distCoeffs)
     return camera;
 }
 
+std::vector<Pixels> idealPixels(std::vector<Pixels> recorded, const Camera& camera)
+{
+    if (!camera.hasDistortion())
+        return recorded;
+    for (Pixels& pixels : recorded)
+        for (Vector2d& x : pixels)
+            if (!std::isnan(x.x()))
+                x = camera.idealPixel(x);
+    return recorded;
+}
+
 }} // namespace cv::active_handeye

@@ -49,6 +49,9 @@ Camera readCamera(InputArray cameraMatrix, InputArray distCoeffs);
 //! distCoeffs alone, into a camera whose K is not known yet.
 void readDistortion(InputArray distCoeffs, Camera& camera);
 
+//! The pixels that the points would have without lens distortion; NaN stays NaN.
+std::vector<Pixels> idealPixels(std::vector<Pixels> recorded, const Camera& camera);
+
 //! Output helper: an Eigen matrix of doubles as CV_64F.
 template <typename Derived>
 void writeMatrix(const Eigen::MatrixBase<Derived>& matrix, OutputArray out)

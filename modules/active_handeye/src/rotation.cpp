@@ -145,16 +145,16 @@ void requireScale(const Matrix3d& covariance, const MatrixXd& observed, double d
 //! Points seen in views of different orientation carry the answer.
 void requireLinks(const Tracks& tracks, const AlignedVector<Pose>& poses, size_t points)
 {
+    std::vector<int> groupOf(poses.size());
+    const std::vector<MotionGroup> groups = groupByOrientation(poses, smallestTurn);
+    for (size_t g = 0; g < groups.size(); ++g)
+        for (int view : groups[g].views)
+            groupOf[view] = int(g);
     int linking = 0;
     for (int j = 0; j < tracks.count(); ++j)
     {
-        const Matrix3d& first = poses[tracks.observations[tracks.first[j]].view].R;
-        for (int o = tracks.first[j]; o < tracks.first[j + 1]; ++o)
-            if (angleBetween(first, poses[tracks.observations[o].view].R) > smallestTurn)
-            {
-                ++linking;
-                break;
-            }
+        const auto from = tracks.observations.begin() + tracks.first[j], to = tracks.observations.begin() + tracks.first[j + 1];
+        linking += std::any_of(from, to, [&](const Observation& o) { return groupOf[o.view] != groupOf[from->view]; });
     }
     if (linking < 2)
         CV_Error(Error::StsNoConv, cv::format("imagePoints: too few points in common; needed 2 or more points that are seen in views of different "
@@ -169,15 +169,11 @@ double calibrateHandEyeRotation(InputArrayOfArrays R_gripper2base, InputArrayOfA
 {
     CV_TRACE_FUNCTION();
     const AlignedVector<Pose> poses = readRobotPoses(R_gripper2base, t_gripper2base);
-    std::vector<Pixels> pixels = readImagePoints(imagePoints, poses.size());
     const Camera camera = readCamera(cameraMatrix, distCoeffs);
+    const std::vector<Pixels> pixels = idealPixels(readImagePoints(imagePoints, poses.size()), camera);
     const Matrix3d R = readRotation(R_cam2gripper, "R_cam2gripper");
     if (flags & ~int(ROTATION_ALLOW_PARTIAL))
         CV_Error(Error::StsBadArg, cv::format("flags: needed 0 or ROTATION_ALLOW_PARTIAL (1), given %d", flags));
-    for (Pixels& view : pixels)
-        for (Eigen::Vector2d& x : view)
-            if (x.allFinite())
-                x = camera.idealPixel(x);
 
     const TurnDirections turns(poses);
     requireTurns(turns, poses, (flags & ROTATION_ALLOW_PARTIAL) != 0);

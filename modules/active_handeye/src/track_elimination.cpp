@@ -73,13 +73,37 @@ double Tracks::medianParallax() const
     return parallax[parallax.size() / 2];
 }
 
-//! Cholesky with a check that the track does not leave its point open.
-static bool factorize(const Matrix3d& ZZ, Eigen::LLT<Matrix3d>& factor)
+void EliminatedPoint::set(const Matrix3d& A, int observations)
 {
+    const double d0 = A(0, 0);
+    l00_ = 1 / std::sqrt(d0);
+    l10_ = A(1, 0) * l00_;
+    l20_ = A(2, 0) * l00_;
+    const double d1 = A(1, 1) - l10_ * l10_;
+    l11_ = 1 / std::sqrt(d1);
+    l21_ = (A(2, 1) - l20_ * l10_) * l11_;
+    const double d2 = A(2, 2) - l20_ * l20_ - l21_ * l21_;
+    l22_ = 1 / std::sqrt(d2);
     const double minimumPivotRatio = 1e-14;
-    factor.compute(ZZ);
-    const Vector3d pivots = factor.matrixLLT().diagonal().array().square();
-    return factor.info() == Eigen::Success && pivots.minCoeff() > minimumPivotRatio * pivots.maxCoeff();
+    usable_ = observations >= 2 && std::min(d0, std::min(d1, d2)) > minimumPivotRatio * std::max(d0, std::max(d1, d2));
+}
+
+template <int Q>
+void EliminatedPoint::solveLower(Eigen::Matrix<double, 3, Q>& B) const
+{
+    B.row(0) *= l00_;
+    B.row(1) = (B.row(1) - l10_ * B.row(0)) * l11_;
+    B.row(2) = (B.row(2) - l20_ * B.row(0) - l21_ * B.row(1)) * l22_;
+}
+
+Vector3d EliminatedPoint::solve(const Vector3d& b) const
+{
+    Vector3d x = b;
+    solveLower(x);
+    x[2] *= l22_;
+    x[1] = (x[1] - l21_ * x[2]) * l11_;
+    x[0] = (x[0] - l10_ * x[1] - l20_ * x[2]) * l00_;
+    return x;
 }
 
 template <class Model>
@@ -104,15 +128,15 @@ Eigen::Matrix<double, Model::parameters, Model::parameters> eliminateTracks(cons
             models[observation.view].addProduct(M, Zp);
             used += weights[o] > 0;
         }
-        points[j].usable = used >= 2 && factorize(ZZ, points[j].factor);
-        if (!points[j].usable)
+        points[j].set(ZZ, used);
+        if (!points[j].usable())
             continue;
-        points[j].factor.matrixL().solveInPlace(Zp);
-        S.template selfadjointView<Eigen::Lower>().rankUpdate(Zp.transpose(), -1);
+        points[j].solveLower(Zp);
+        for (int row = 0; row < 3; ++row)
+            S -= (Zp.row(row).transpose() * Zp.row(row)).eval();
         for (int o = tracks.first[j]; o < tracks.first[j + 1]; ++o)
             perView[tracks.observations[o].view] += weights[o] * tracks.observations[o].form;
     }
-    S = Eigen::Matrix<double, Q, Q>(S.template selfadjointView<Eigen::Lower>());
     for (size_t view = 0; view < models.size(); ++view)
         S.noalias() += models[view].D().transpose() * perView[view] * models[view].D();
     return S;
@@ -128,12 +152,12 @@ void pointsOf(const Tracks& tracks, const AlignedVector<Model>& models, const st
         shift.push_back(model.shift(p));
     for (int j = 0; j < tracks.count(); ++j)
     {
-        if (!points[j].usable)
+        if (!points[j].usable())
             continue;
         Vector3d Zp = Vector3d::Zero();
         for (int o = tracks.first[j]; o < tracks.first[j + 1]; ++o)
             Zp.noalias() += weights[o] * (tracks.observations[o].form * shift[tracks.observations[o].view]);
-        const Vector3d Z = -points[j].factor.solve(Zp);
+        const Vector3d Z = -points[j].solve(Zp);
         for (int o = tracks.first[j]; o < tracks.first[j + 1]; ++o)
             Y[o] = Z + shift[tracks.observations[o].view];
     }

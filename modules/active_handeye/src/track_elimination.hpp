@@ -60,11 +60,24 @@ struct Tracks
     double medianParallax() const;
 };
 
-//! What a track says about its point: Cholesky factor of the 3 x 3 block, not usable without parallax or with fewer than two observations.
-struct EliminatedPoint
+//! What a track says about its point: A = L L^T, written out since general solvers are several times slower on 3 x 3.
+class EliminatedPoint
 {
-    Eigen::LLT<Eigen::Matrix3d> factor;
-    bool usable;
+public:
+    //! Not usable: fewer than two observations, or no parallax.
+    void set(const Eigen::Matrix3d& A, int observations);
+    bool usable() const { return usable_; }
+
+    //! B <- L^-1 B.
+    template <int Q>
+    void solveLower(Eigen::Matrix<double, 3, Q>& B) const;
+
+    //! A^-1 b.
+    Eigen::Vector3d solve(const Eigen::Vector3d& b) const;
+
+private:
+    double l00_, l10_, l11_, l20_, l21_, l22_; // the diagonal inverted
+    bool usable_;
 };
 
 /** Sum of weight * Y^T M Y with all points eliminated: S of p^T S p.

@@ -73,7 +73,7 @@ public:
         fit.medianDepth = medianOf(depth_);
         for (int j = 0; j < problem_.tracks.count(); ++j)
         {
-            if (!points_[j].usable)
+            if (!points_[j].usable())
                 continue;
             int used = 0;
             for (int o = problem_.tracks.first[j]; o < problem_.tracks.first[j + 1]; ++o)
@@ -166,13 +166,14 @@ private:
                 ++outliers_, ++outliersOfView_[observations_[o].view];
     }
 
-    //! Over the observations of the views not excluded; one without a value counts as infinite.
+    //! Over the observations of the views not excluded, a thousand of them are enough; one without a value counts as infinite.
     double medianOf(const std::vector<double>& values) const
     {
         const double infinity = std::numeric_limits<double>::infinity();
         std::vector<double> present;
-        present.reserve(values.size());
-        for (size_t o = 0; o < values.size(); ++o)
+        const size_t stride = 1 + values.size() / 1000;
+        present.reserve(values.size() / stride + 1);
+        for (size_t o = 0; o < values.size(); o += stride)
             if (!excluded_[observations_[o].view])
                 present.push_back(std::isnan(values[o]) ? infinity : values[o]);
         if (present.empty())

@@ -164,16 +164,6 @@ Estimate estimateFromFOEs(const GroupTranslations& motion, const std::vector<Pix
     return Estimate{projection, solver.covariance(projection, S, std::max(misfit, 1.)), fit.rms() / T.scale};
 }
 
-std::vector<Pixels> idealPixels(const std::vector<Pixels>& recorded, const Camera& camera)
-{
-    std::vector<Pixels> ideal = recorded;
-    for (Pixels& pixels : ideal)
-        for (Eigen::Vector2d& x : pixels)
-            if (x.allFinite())
-                x = camera.idealPixel(x);
-    return ideal;
-}
-
 Estimate estimateOnce(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Camera& camera, TranslationsMethod method, int flags)
 {
     std::vector<const Pixels*> all;
