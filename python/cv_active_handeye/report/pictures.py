@@ -117,8 +117,8 @@ def picture_motion(
     axes.set_aspect("equal")
     axes.locator_params(nbins=6)
     axes.view_init(elev=22, azim=-58)
-    axes.set_title("Motion: flange axes (red x, green y, blue z) and what the camera looks at", loc="left")
-    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(0.0, 0.96), frameon=False)
+    figure.suptitle("Motion: flange axes (red x, green y, blue z) and what the camera looks at")
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False)
     _save(figure, path)
 
 
