@@ -33,15 +33,18 @@ system-packages:
 	@scripts/system-packages $(PYTHON)
 
 $(BIN)/python: | system-packages
-	$(PYTHON) -m venv $(VENV)
+	@echo "Making the virtual environment $(VENV)"
+	@$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.requirements: pyproject.toml scripts/requirements.py | $(BIN)/python
-	$(BIN)/python scripts/requirements.py dev >$@.txt
-	$(BIN)/python -m pip install --quiet --requirement $@.txt
+	@echo "Installing Python packages into $(VENV)"
+	@$(BIN)/python scripts/requirements.py dev >$@.txt
+	@$(BIN)/python -m pip install --quiet --requirement $@.txt
 	@touch $@
 
 $(VENV)/.installed: $(VENV)/.requirements $(CMAKE_FILES) $(CPP_FILES)
-	$(BIN)/python -m pip install --quiet --no-build-isolation --no-deps --editable .
+	@echo "Building the C++ module and its Python extension (some minutes the first time)"
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --no-deps --editable .
 	@touch $@
 
 demo: setup
@@ -71,7 +74,7 @@ stubs: setup
 	$(BIN)/python scripts/stubs.py
 
 bench: setup
-	for script in benchmark/[a-z]*.py; do echo "== $$script" && $(BIN)/python $$script || exit 1; done
+	$(BIN)/python -m benchmark --write
 
 sanitize: setup
 	@cmake --preset asan-ubsan >/dev/null

@@ -152,7 +152,7 @@ def measure(trials: int = 500, seed: int = 1) -> Report:
     times = ("time [µs]", "OpenCV [µs]", "times as fast")
     setup = (
         f"{trials} trials each, seed {seed}; {MATCHES} matches, f = {FOCAL:.0f} px, {SIGMA} px noise, one thread, "
-        "median processor time of one run. estimateFOE with a threshold of 3 sigma (beside it: at the default of 1 px). "
+        "median processor time of one run. estimateFOE with a threshold of 3 sigma (beside it: its default, 1 px). "
         f"OpenCV {cv2.__version__}: findEssentialMat (USAC_MAGSAC) and recoverPose, 1 px or 3 sigma, the better one."
     )
     title = "Direction of a pure translation: estimateFOE against OpenCV"

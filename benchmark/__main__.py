@@ -1,0 +1,119 @@
+# SPDX-FileCopyrightText: 2026 active_handeye contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the benchmarks, each in a process of its own, and keeps their reports in out/benchmark/*.json.
+
+With --write, doc/accuracy.md and the accuracy table of the README are made from the newest report of every benchmark.
+Exit status 1 when a measure is missed or a benchmark fails.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatch
+from pathlib import Path
+
+from .report import Cell, Measure, Report, Table, format_cell
+
+REPOSITORY = Path(__file__).parents[1]
+REPORTS = REPOSITORY / "out/benchmark"
+NAMES = ("demo", "closed_form", "foe", "speed", "tracking", "detectors", "real_data")
+MARKERS = "<!-- accuracy: written by make bench -->", "<!-- end of accuracy -->"
+
+
+@dataclass(frozen=True)
+class Headline:
+    """A line of the README: the worst of the measures of one benchmark whose names match `pattern`."""
+
+    script: str
+    pattern: str
+    text: str
+
+    def row(self, report: Report) -> list[Cell]:
+        """text, value, limit, script."""
+        found = [measure for measure in report.measures if fnmatch(measure.name, self.pattern)]
+        if not found:
+            raise KeyError(f"benchmark/{self.script}.py has no measure {self.pattern!r}")
+        worst: Measure = (min if found[0].at_least else max)(found, key=lambda measure: measure.value)
+        _, value, limit, _ = worst.row()
+        return [self.text, format_cell(value), limit, f"`benchmark/{self.script}.py`"]
+
+
+HEADLINES = (
+    Headline("demo", "median rotation*", "simulated cell, images to calibration: rotation error, median of ten [deg]"),
+    Headline("demo", "median translation*", "- camera position [mm]"),
+    Headline("demo", "median fx*", "- focal length [%]"),
+    Headline("demo", "median plane normal*", "- light plane, normal [deg]"),
+    Headline("demo", "median plane offset*", "- light plane, offset [mm]"),
+    Headline(
+        "closed_form",
+        "four translations*RMSE / bound",
+        "K and rotation from four translations: RMSE / Cramér-Rao bound",
+    ),
+    Headline("closed_form", "t_cam2gripper*RMSE / bound", "- camera position from turns"),
+    Headline("foe", "*median error*", "`estimateFOE`: median error / that of OpenCV's essential matrix"),
+    Headline("foe", "*times as fast", "- times as fast"),
+    Headline(
+        "speed", "closed forms / fastest*", "whole closed form, 24 views x 200 points: time / `cv2.calibrateHandEye`"
+    ),
+    Headline("tracking", "*sigma*", "tracks of the default scene: robust sigma [px]"),
+)
+
+
+def run(name: str) -> int:
+    """Runs one benchmark; its exit status."""
+    print(f"== benchmark/{name}.py", flush=True)
+    output = REPORTS / f"{name}.json"
+    output.unlink(missing_ok=True)
+    command = [sys.executable, "-m", f"benchmark.{name}", "--output", str(output)]
+    return subprocess.run(command, cwd=REPOSITORY, check=False).returncode
+
+
+def write(reports: dict[str, Report]) -> None:
+    """doc/accuracy.md in full, and the README's table between its markers."""
+    introduction = (
+        "# Accuracy and speed\n\nWritten by `make bench` on one machine (two cores, shared with other work); "
+        "[benchmark/README.md](../benchmark/README.md) says what each part measures and how to run it alone.\n\n"
+    )
+    accuracy = REPOSITORY / "doc/accuracy.md"
+    accuracy.write_text(introduction + "\n".join(report.markdown() for report in reports.values()), encoding="utf-8")
+    rows = [line.row(reports[line.script]) for line in HEADLINES if line.script in reports]
+    table = Table("", ("measured (worst case)", "result", "limit", "printed by"), rows).markdown().split("\n", 2)[2]
+    readme = REPOSITORY / "README.md"
+    text = readme.read_text(encoding="utf-8")
+    if not all(marker in text for marker in MARKERS):
+        raise ValueError(f"{readme}: needs the lines {' and '.join(MARKERS)} where the accuracy table belongs")
+    before, rest = text.split(MARKERS[0])
+    _, after = rest.split(MARKERS[1])
+    link = "All tables: [doc/accuracy.md](doc/accuracy.md).\n"
+    readme.write_text(f"{before}{MARKERS[0]}\n{table}\n{link}{MARKERS[1]}{after}", encoding="utf-8")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Command line."""
+    line = argparse.ArgumentParser(prog="python -m benchmark", description=__doc__)
+    line.formatter_class = argparse.RawDescriptionHelpFormatter
+    line.add_argument("names", nargs="*", help=f"benchmarks to run, default all: {', '.join(NAMES)}")
+    line.add_argument("--write", action="store_true", help="write doc/accuracy.md and the README's table")
+    line.add_argument(
+        "--no-run", action="store_true", help="with --write: only write, from the reports of earlier runs"
+    )
+    options = line.parse_args(arguments)
+    unknown = set(options.names) - set(NAMES)
+    if unknown:
+        line.error(f"there is no benchmark {', '.join(sorted(unknown))}; there are {', '.join(NAMES)}")
+    REPORTS.mkdir(parents=True, exist_ok=True)
+    failed = [] if options.no_run else [name for name in options.names or NAMES if run(name) != 0]
+    if options.write:
+        files = {name: REPORTS / f"{name}.json" for name in NAMES}
+        write({name: Report.load(file) for name, file in files.items() if file.is_file()})
+    if failed:
+        print(f"measures missed or failed: {', '.join(failed)}", file=sys.stderr)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
