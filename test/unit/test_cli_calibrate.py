@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 
 import cv_active_handeye as cah
 from cv_active_handeye.calibration import Calibration
-from cv_active_handeye.cli import app
+from cv_active_handeye.cli.commands import app
 from cv_active_handeye.cli.console import Exit
 
 COMMANDS = ("demo", "simulate", "calibrate", "compare", "show")

@@ -2,6 +2,30 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command `cv-active-handeye`: arguments only, the work is in `workflow`."""
 
-from .commands import app
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
 
 __all__ = ["app"]
+
+EXTRA = {"cv2", "matplotlib", "pydantic", "rich", "typer", "yaml"}
+
+
+def _missing(name: str) -> Callable[[], object]:
+    def tell() -> None:
+        print(f"cv-active-handeye needs {name}; pip install 'cv_active_handeye[workflow,sim]'", file=sys.stderr)
+        raise SystemExit(2)
+
+    return tell
+
+
+app: Callable[[], object]
+try:
+    from . import commands
+except ModuleNotFoundError as error:
+    if error.name not in EXTRA:
+        raise
+    app = _missing(error.name)
+else:
+    app = commands.app

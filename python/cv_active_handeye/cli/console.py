@@ -82,6 +82,8 @@ def told_errors(debug: bool, reporter: TerminalReporter | None = None) -> Iterat
         status = status_of(error)
         prefix = "internal error" if status == Exit.INTERNAL else "error"
         hint = "\n--debug before the command shows where it came from." if status == Exit.INTERNAL else ""
+        if isinstance(error, ModuleNotFoundError):
+            hint = escape("\nIt comes with pip install 'cv_active_handeye[workflow,sim]'.")
         err.print(f"[bold red]{prefix}{escape(where)}:[/] {escape(str(error).strip() or type(error).__name__)}{hint}")
         raise typer.Exit(int(status)) from error
 

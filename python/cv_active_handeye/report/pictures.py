@@ -115,6 +115,8 @@ def picture_motion(
     axes.set_ylabel("base y [mm]", labelpad=10)
     axes.set_zlabel("base z [mm]", labelpad=10)
     axes.set_aspect("equal")
+    box = [float(np.ptp(limits)) for limits in (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())]
+    axes.set_box_aspect(box, zoom=1.12)
     axes.locator_params(nbins=6)
     axes.view_init(elev=22, azim=-58)
     figure.suptitle("Motion: flange axes (red x, green y, blue z) and what the camera looks at")
