@@ -35,7 +35,7 @@ _HARDWARE, _SCENE, _ROBOT, _SENSOR = range(4)  # keys of the independent random 
 _LAMPS = [Lamp((-0.35, 0.30, 0.9), 0.12, 0.62), Lamp((0.5, -0.1, 1.1), 0.25, 0.30)]
 _AMBIENT, _AMBIENT_WITHOUT_LAMP = 0.22, 1.0
 _AIM = np.array([0.0, 0.0, 0.02])
-_BENCH = {"denso_vp6242": (0.304, 0.0, -0.351), "ur5e": (0.50, 0.0, -0.10)}  # its centre in the base frame
+_BENCH = {"denso_vp6242": (0.311, 0.0, -0.315), "ur5e": (0.50, 0.0, -0.10)}  # its centre in the base frame
 
 
 @dataclass(frozen=True)

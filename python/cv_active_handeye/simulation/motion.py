@@ -13,10 +13,10 @@ from ..robots.kinematics import SerialArm, UnreachableError
 from .parts import Array
 
 STAND_OFF = 0.55
-"""Distance (m) from the camera to the aimed point at the first stop of every orientation."""
+"""Distance (m) from the camera to the aimed point at the middle of every orientation's stops."""
 
 _SHORT_MOVE = (0.15, 1.0)  # metres and degrees: moved on a straight line, longer ones joint by joint
-_TETRAHEDRON = np.array([[0, 0, 0], [1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+_GROUP = np.array([[0, 0, 90], [72, 0, -27], [-72, 0, -27], [0, 65, -36], [0, -65, 0]]) / 1000
 
 
 @dataclass(frozen=True)
@@ -31,20 +31,23 @@ class Look:
 
 
 def default_looks() -> list[Look]:
-    """Return the 14 stops: two groups of four translations, then two orientations with two stops each."""
-    group = _TETRAHEDRON * [0.050, 0.045, 0.075]
+    """Return the 14 stops: two groups of four translations, then two orientations with two stops each.
+
+    The second group is the first one turned inside out: the errors that stops of one tilt leave in the camera's axes
+    then point the other way, and the closed form's rotation error is half of that with two equal tetrahedra.
+    """
     return [
-        Look((6, -14, 0), group),
-        Look((-6, 14, 0), group),
-        Look((-8, 4, 90), np.array([[0, 0, 0], [0.035, 0.030, -0.040]])),
-        Look((-24, 2, -39), np.array([[0, 0, 0], [-0.035, 0.030, 0.040]])),
+        Look((6, -14, 0), _GROUP),
+        Look((-6, 14, 0), -_GROUP),
+        Look((3, -2, -90), np.array([[24, 24, -40], [-32, -24, 40]]) / 1000),
+        Look((-20, -2, -35), np.array([[-32, 24, 40], [32, -24, -40]]) / 1000),
     ]
 
 
 def camera_poses(looks: list[Look], aim: Array) -> list[Array]:
     """Return camera poses (4, 4) in the bench frame.
 
-    aim: point (3,) of the bench that the first stop of each orientation looks at. Without turn the camera looks
+    aim: point (3,) of the bench in the middle of the view of every orientation. Without turn the camera looks
     straight down with the image's x along the bench's x.
     """
     down = Rotation.from_euler("x", 180, degrees=True)
