@@ -182,7 +182,8 @@ def compare(
     """Runs OpenCV's calibrateCamera and calibrateHandEye (all five methods) on a board, beside ours without it.
 
     The board stands still, so with a perfect calibration and robot it would not move in the base frame. The columns
-    "spread" tell how much it does, "misses" by how many pixels its points miss their places.
+    "spread" tell how much it does, "misses" by how many pixels its points miss their places. A board that looks the
+    same after a turn may be read turned in some views: prefer ChArUco, or a chessboard with an odd number of rows.
     """
     spec = _board(board)
     with terminal_reporter() as reporter, told_errors(_Settings.debug, reporter):
@@ -248,6 +249,9 @@ def _options(
 
 
 def _print_problems(comparison: Comparison) -> None:
+    names: dict[str, list[str]] = {}
     for row in comparison.rows:
-        if row.problem:
-            err.print(f"[yellow]{escape(row.name)}:[/] {escape(row.problem)}")
+        names.setdefault(row.problem, []).append(row.name)
+    for problem, methods in names.items():
+        if problem:
+            err.print(f"[yellow]{escape('; '.join(methods))}:[/] {escape(problem)}")
