@@ -33,7 +33,6 @@ void TranslationModel::addProduct(const Matrix3d& M, Eigen::Matrix<double, 3, 9>
 void Tracks::add(const std::vector<Pixels>& pixels, const std::vector<int>& views)
 {
     const size_t points = pixels[0].size();
-    observations.reserve(observations.size() + views.size() * points);
     for (size_t point = 0; point < points; ++point)
     {
         for (int view : views)
@@ -143,10 +142,12 @@ Eigen::Matrix<double, Model::parameters, Model::parameters> eliminateTracks(cons
 }
 
 template <class Model>
-void pointsOf(const Tracks& tracks, const AlignedVector<Model>& models, const std::vector<double>& weights,
-              const AlignedVector<EliminatedPoint>& points, const Eigen::Matrix<double, Model::parameters, 1>& p, AlignedVector<Vector3d>& Y)
+void evaluateTracks(const Tracks& tracks, const AlignedVector<Model>& models, const AlignedVector<Matrix3d>& toImage,
+                    const std::vector<double>& weights, const AlignedVector<EliminatedPoint>& points,
+                    const Eigen::Matrix<double, Model::parameters, 1>& p, TrackResiduals& residuals)
 {
-    Y.assign(tracks.observations.size(), Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
+    residuals.depth.assign(tracks.observations.size(), std::numeric_limits<double>::quiet_NaN());
+    residuals.squared = residuals.depth;
     AlignedVector<Vector3d> shift;
     for (const Model& model : models)
         shift.push_back(model.shift(p));
@@ -159,7 +160,12 @@ void pointsOf(const Tracks& tracks, const AlignedVector<Model>& models, const st
             Zp.noalias() += weights[o] * (tracks.observations[o].form * shift[tracks.observations[o].view]);
         const Vector3d Z = -points[j].solve(Zp);
         for (int o = tracks.first[j]; o < tracks.first[j + 1]; ++o)
-            Y[o] = Z + shift[tracks.observations[o].view];
+        {
+            const Observation& observation = tracks.observations[o];
+            const Vector3d image = toImage[observation.view] * (Z + shift[observation.view]);
+            residuals.depth[o] = image.z();
+            residuals.squared[o] = (observation.x - image.head<2>() / image.z()).squaredNorm();
+        }
     }
 }
 
@@ -167,9 +173,11 @@ template Matrix9d eliminateTracks<TranslationModel>(const Tracks&, const Aligned
                                                     AlignedVector<EliminatedPoint>&);
 template Eigen::Matrix4d eliminateTracks<RotationModel>(const Tracks&, const AlignedVector<RotationModel>&, const std::vector<double>&,
                                                         AlignedVector<EliminatedPoint>&);
-template void pointsOf<TranslationModel>(const Tracks&, const AlignedVector<TranslationModel>&, const std::vector<double>&,
-                                         const AlignedVector<EliminatedPoint>&, const Vector9d&, AlignedVector<Vector3d>&);
-template void pointsOf<RotationModel>(const Tracks&, const AlignedVector<RotationModel>&, const std::vector<double>&,
-                                      const AlignedVector<EliminatedPoint>&, const Eigen::Vector4d&, AlignedVector<Vector3d>&);
+template void evaluateTracks<TranslationModel>(const Tracks&, const AlignedVector<TranslationModel>&, const AlignedVector<Matrix3d>&,
+                                               const std::vector<double>&, const AlignedVector<EliminatedPoint>&, const Vector9d&,
+                                               TrackResiduals&);
+template void evaluateTracks<RotationModel>(const Tracks&, const AlignedVector<RotationModel>&, const AlignedVector<Matrix3d>&,
+                                            const std::vector<double>&, const AlignedVector<EliminatedPoint>&, const Eigen::Vector4d&,
+                                            TrackResiduals&);
 
 }} // namespace cv::active_handeye

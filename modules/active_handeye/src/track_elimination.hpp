@@ -82,18 +82,24 @@ private:
 
 /** Sum of weight * Y^T M Y with all points eliminated: S of p^T S p.
 
-Observations of weight 0 do not count. `points` receives what pointsOf() needs.
+Observations of weight 0 do not count. `points` receives what evaluateTracks() needs.
 */
 template <class Model>
 Eigen::Matrix<double, Model::parameters, Model::parameters> eliminateTracks(const Tracks& tracks, const AlignedVector<Model>& models,
                                                                            const std::vector<double>& weights,
                                                                            AlignedVector<EliminatedPoint>& points);
 
-//! Y of every observation for given p, its point put back; NaN for points that are not usable.
+//! Depth and squared reprojection error of every observation.
+struct TrackResiduals
+{
+    std::vector<double> depth, squared;
+};
+
+//! Residuals for given p with every point put back, in views that see Y at toImage Y; NaN for points that are not usable.
 template <class Model>
-void pointsOf(const Tracks& tracks, const AlignedVector<Model>& models, const std::vector<double>& weights,
-              const AlignedVector<EliminatedPoint>& points, const Eigen::Matrix<double, Model::parameters, 1>& p,
-              AlignedVector<Eigen::Vector3d>& Y);
+void evaluateTracks(const Tracks& tracks, const AlignedVector<Model>& models, const AlignedVector<Eigen::Matrix3d>& toImage,
+                    const std::vector<double>& weights, const AlignedVector<EliminatedPoint>& points,
+                    const Eigen::Matrix<double, Model::parameters, 1>& p, TrackResiduals& residuals);
 
 }} // namespace cv::active_handeye
 

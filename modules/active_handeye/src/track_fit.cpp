@@ -70,7 +70,7 @@ public:
         fit.S = S_;
         fit.cost = 0;
         fit.used = fit.redundancy = 0;
-        fit.medianDepth = medianOf(depth_);
+        fit.medianDepth = medianOf(residuals_.depth);
         for (int j = 0; j < problem_.tracks.count(); ++j)
         {
             if (!points_[j].usable())
@@ -78,7 +78,7 @@ public:
             int used = 0;
             for (int o = problem_.tracks.first[j]; o < problem_.tracks.first[j + 1]; ++o)
                 if (weights_[o] > 0)
-                    ++used, fit.cost += squared_[o];
+                    ++used, fit.cost += residuals_.squared[o];
             fit.used += used;
             fit.redundancy += 2 * used - 3;
         }
@@ -136,23 +136,16 @@ private:
     //! Depths and residuals of all observations for the present p.
     void evaluate()
     {
-        pointsOf(problem_.tracks, problem_.models, weights_, points_, p_, Y_);
-        squared_.resize(Y_.size());
-        depth_.resize(Y_.size());
+        evaluateTracks(problem_.tracks, problem_.models, problem_.toImage, weights_, points_, p_, residuals_);
         known_ = behind_ = 0;
-        for (size_t o = 0; o < Y_.size(); ++o)
-        {
-            const Eigen::Vector3d image = problem_.toImage[observations_[o].view] * Y_[o];
-            depth_[o] = image.z();
-            squared_[o] = (observations_[o].x - image.head<2>() / image.z()).squaredNorm();
-            if (!std::isnan(depth_[o]))
-                ++known_, behind_ += depth_[o] <= 0;
-        }
+        for (double depth : residuals_.depth)
+            if (!std::isnan(depth))
+                ++known_, behind_ += depth <= 0;
     }
 
     void findOutliers()
     {
-        typicalResidual_ = std::sqrt(medianOf(squared_));
+        typicalResidual_ = std::sqrt(medianOf(residuals_.squared));
         // The fit absorbs a part of the noise: of n numbers only r are redundant, which makes residuals sqrt(r / n) of it.
         const double redundant = double(2 * observations_.size()) - 3 * problem_.tracks.count() - double(Model::parameters);
         const double absorbed = std::sqrt(2 * observations_.size() / std::max(redundant, 1.));
@@ -161,7 +154,7 @@ private:
         gateSquared_ = gate * gate;
         outliers_ = 0;
         outliersOfView_.assign(observed_.size(), 0);
-        for (size_t o = 0; o < squared_.size(); ++o)
+        for (size_t o = 0; o < residuals_.squared.size(); ++o)
             if (isOutlier(o))
                 ++outliers_, ++outliersOfView_[observations_[o].view];
     }
@@ -182,21 +175,20 @@ private:
         return present[present.size() / 2];
     }
 
-    bool isOutlier(size_t o) const { return !(depth_[o] > 0) || !(squared_[o] <= gateSquared_); }
+    bool isOutlier(size_t o) const { return !(residuals_.depth[o] > 0) || !(residuals_.squared[o] <= gateSquared_); }
 
     //! Soft: Cauchy weights, which let a bad start recover; hard: in or out, which costs no efficiency. True when nothing changed.
     bool reweight(bool soft)
     {
         const double cauchySquared = std::pow(2.385 / gateInSigmas, 2) * gateSquared_;
         bool same = true;
-        for (size_t o = 0; o < squared_.size(); ++o)
+        for (size_t o = 0; o < residuals_.squared.size(); ++o)
         {
-            const bool inFront = depth_[o] > 0;
-            const double weight = !inFront ? 0 : soft ? 1 / (1 + squared_[o] / cauchySquared) : isOutlier(o) ? 0 : 1;
+            const bool inFront = residuals_.depth[o] > 0;
+            const double weight = !inFront ? 0 : soft ? 1 / (1 + residuals_.squared[o] / cauchySquared) : isOutlier(o) ? 0 : 1;
             same = same && weight == robust_[o];
             robust_[o] = weight;
-            if (!inFront)
-                depth_[o] = 1;
+            depth_[o] = inFront ? residuals_.depth[o] : 1;
         }
         return same;
     }
@@ -218,9 +210,9 @@ private:
     double parallax_;
     std::vector<int> observed_, outliersOfView_;  // observations per view
     std::vector<char> excluded_;
-    std::vector<double> depth_, robust_, weights_, squared_;
+    std::vector<double> depth_, robust_, weights_;
     AlignedVector<EliminatedPoint> points_;
-    AlignedVector<Eigen::Vector3d> Y_;
+    TrackResiduals residuals_;
     typename TrackProblem<Model>::Form S_ = TrackProblem<Model>::Form::Zero();
     Parameters p_ = Parameters::Zero();
     double typicalResidual_ = 0, gateSquared_ = 0;
