@@ -56,10 +56,11 @@ Vector3d Camera::ray(const Vector2d& pixel) const
         if (step.squaredNorm() <= 1e-30 * (1 + ideal.squaredNorm()))
             return ideal.homogeneous();
     }
-    CV_Error(Error::StsOutOfRange,
-             cv::format("distCoeffs: the lens model cannot be inverted at pixel (%.1f, %.1f); needed coefficients whose "
-                        "distortion grows monotonically over the image, given (%g, %g, %g, %g, %g)",
-                        pixel.x(), pixel.y(), D[0], D[1], D[2], D[3], D[4]));
+    CV_Error(
+        Error::StsOutOfRange,
+        cv::format("distCoeffs: the lens model cannot be inverted at pixel (%.1f, %.1f); needed coefficients whose "
+                   "distortion grows monotonically over the image, given (%g, %g, %g, %g, %g)",
+                   pixel.x(), pixel.y(), D[0], D[1], D[2], D[3], D[4]));
 }
 
 Vector2d Camera::idealPixel(const Vector2d& pixel) const

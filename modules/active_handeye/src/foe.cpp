@@ -17,8 +17,8 @@ namespace {
 
 struct Match
 {
-    Vector2d x1, x2;  //!< normalised pixels
-    Vector3d line;    //!< x1 x x2, the line of the displacement
+    Vector2d x1, x2; //!< normalised pixels
+    Vector3d line;   //!< x1 x x2, the line of the displacement
 };
 
 typedef AlignedVector<Match> Matches;
@@ -58,7 +58,8 @@ class FOEProblem : public LeastSquaresProblem
 {
 public:
     FOEProblem(const Matches& matches, const std::vector<uchar>& inliers, const Vector3d& start)
-        : e(start), matches_(matches), inliers_(inliers) {}
+        : e(start), matches_(matches), inliers_(inliers)
+    {}
 
     double linearize(Eigen::MatrixXd& JtJ, Eigen::VectorXd& Jtr) CV_OVERRIDE
     {
@@ -172,7 +173,7 @@ Vector3d ransacFOE(const Matches& matches, double threshold, double confidence)
     return best;
 }
 
-//! +1 or -1: points move away from the FOE when the camera approaches it (method.md section 3).
+//! +1 or -1: points move away from the FOE when the camera approaches it (doc/method/foe.md).
 double motionSign(const Matches& matches, const std::vector<uchar>& inliers, const Vector3d& e)
 {
     double sum = 0;
@@ -193,7 +194,8 @@ double medianDisplacement(const Pixels& points1, const Pixels& points2, const st
 }
 
 //! Refuses matches that leave the FOE open. sigma: noise per axis, pixels; JtJ: information in normalised units.
-void requireDetermined(const Eigen::Matrix2d& JtJ, double sigma, double scale, double displacement, const std::string& source)
+void requireDetermined(const Eigen::Matrix2d& JtJ, double sigma, double scale, double displacement,
+                       const std::string& source)
 {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(JtJ, Eigen::EigenvaluesOnly);
     const double weakest = eigen.eigenvalues()[0], strongest = eigen.eigenvalues()[1];
@@ -201,13 +203,17 @@ void requireDetermined(const Eigen::Matrix2d& JtJ, double sigma, double scale, d
     const bool determined = weakest > 1e-10 * strongest && sigma * scale < maxDeviation * std::sqrt(weakest);
     const double clearlyAboveNoise = 3; // displacements that are noise alone have 1.7 sigma
     if (displacement < 1e-9 || displacement < clearlyAboveNoise * sigma)
-        CV_Error(Error::StsNoConv,
-                 cv::format("%s: no parallax; needed displacements well above the noise, given a median displacement of %.3g px at a "
-                            "residual of %.3g px: translate farther, or come nearer to the scene",
-                            source.c_str(), displacement, sigma));
+        CV_Error(
+            Error::StsNoConv,
+            cv::format(
+                "%s: no parallax; needed displacements well above the noise, given a median displacement of %.3g px at a "
+                "residual of %.3g px: translate farther, or come nearer to the scene",
+                source.c_str(), displacement, sigma));
     if (!determined)
-        CV_Error(Error::StsNoConv, source + ": all displacements lie on one line, the focus of expansion is open along it; needed points in "
-                                            "different directions from it, given points on one line: use more of the image");
+        CV_Error(Error::StsNoConv,
+                 source +
+                     ": all displacements lie on one line, the focus of expansion is open along it; needed points in "
+                     "different directions from it, given points on one line: use more of the image");
 }
 
 } // namespace
@@ -241,38 +247,44 @@ FOE estimateFOE(const Pixels& points1, const Pixels& points2, FOEMethod method, 
         if (round > 0)
             result.inliers = gate(matches, e, gateWidth);
         if (n > 3 && count(result.inliers) < std::max(3, n / 10))
-            CV_Error(Error::StsNoConv, cv::format("%s: needed a tenth of the matches to agree on one translation within %g px, given %d of %d",
-                                                  source.c_str(), threshold, count(result.inliers), n));
+            CV_Error(
+                Error::StsNoConv,
+                cv::format("%s: needed a tenth of the matches to agree on one translation within %g px, given %d of %d",
+                           source.c_str(), threshold, count(result.inliers), n));
         FOEProblem problem(matches, result.inliers, e);
         fit = solveLeastSquares(problem);
         e = problem.e;
     }
     result.inlierCount = count(result.inliers);
     const double sigma = result.inlierCount > 2 ? std::sqrt(fit.cost / (result.inlierCount - 2)) / T.scale : 1.;
-    requireDetermined(fit.JtJ, result.inlierCount > 2 ? sigma : 0, T.scale, medianDisplacement(points1, points2, result.inliers), source);
+    requireDetermined(fit.JtJ, result.inlierCount > 2 ? sigma : 0, T.scale,
+                      medianDisplacement(points1, points2, result.inliers), source);
 
     e *= motionSign(matches, result.inliers, e);
     const Vector3d pixelFOE = T.inverse() * e;
     result.direction = pixelFOE.normalized();
-    const Matrix3d onSphere = (Matrix3d::Identity() - result.direction * result.direction.transpose()) / pixelFOE.norm();
+    const Matrix3d onSphere =
+        (Matrix3d::Identity() - result.direction * result.direction.transpose()) / pixelFOE.norm();
     const Eigen::Matrix<double, 3, 2> J = onSphere * T.inverse() * tangentBasis(e);
     result.covariance = std::pow(sigma * T.scale, 2) * J * fit.JtJ.inverse() * J.transpose();
     return result;
 }
 
-int estimateFOE(InputArray points1, InputArray points2, OutputArray foe, OutputArray inlierMask, OutputArray covariance, FOEMethod method,
-                double threshold, double confidence)
+int estimateFOE(InputArray points1, InputArray points2, OutputArray foe, OutputArray inlierMask, OutputArray covariance,
+                FOEMethod method, double threshold, double confidence)
 {
     CV_TRACE_FUNCTION();
     const Pixels x1 = readPixels(points1, "points1"), x2 = readPixels(points2, "points2");
     if (x1.size() != x2.size())
-        CV_Error(Error::StsBadSize,
-                 cv::format("points2: needed the %d matches of points1, given %d points", int(x1.size()), int(x2.size())));
+        CV_Error(Error::StsBadSize, cv::format("points2: needed the %d matches of points1, given %d points",
+                                               int(x1.size()), int(x2.size())));
     if (method != FOE_LEAST_SQUARES && method != FOE_RANSAC)
-        CV_Error(Error::StsBadArg, cv::format("method: needed FOE_LEAST_SQUARES (0) or FOE_RANSAC (1), given %d", int(method)));
+        CV_Error(Error::StsBadArg,
+                 cv::format("method: needed FOE_LEAST_SQUARES (0) or FOE_RANSAC (1), given %d", int(method)));
     readPositive(threshold, "threshold");
     if (!(confidence > 0 && confidence < 1))
-        CV_Error(Error::StsOutOfRange, cv::format("confidence: needed a probability between 0 and 1, given %g", confidence));
+        CV_Error(Error::StsOutOfRange,
+                 cv::format("confidence: needed a probability between 0 and 1, given %g", confidence));
 
     const FOE result = estimateFOE(x1, x2, method, threshold, confidence, "points1, points2");
     writeMatrix(result.direction, foe);

@@ -11,9 +11,9 @@ namespace cv { namespace active_handeye {
 
 struct FOE
 {
-    Eigen::Vector3d direction;      //!< K c, unit, signed
-    Eigen::Matrix3d covariance;     //!< of direction, rank 2
-    std::vector<uchar> inliers;     //!< one per match
+    Eigen::Vector3d direction;  //!< K c, unit, signed
+    Eigen::Matrix3d covariance; //!< of direction, rank 2
+    std::vector<uchar> inliers; //!< one per match
     int inlierCount;
 };
 

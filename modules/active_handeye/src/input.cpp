@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "input.hpp"
+#include "numbers.hpp"
 
 namespace cv { namespace active_handeye {
 
@@ -14,69 +15,6 @@ using Eigen::Vector3d;
 namespace {
 
 const double rotationTolerance = 1e-6;
-
-std::string shapeOf(const Mat& m)
-{
-    std::string shape;
-    for (int d = 0; d < m.dims; ++d)
-        shape += cv::format("%s%d", d ? " x " : "", m.size[d]);
-    return m.channels() > 1 ? shape + cv::format(" of %d channels", m.channels()) : shape;
-}
-
-//! The numbers of one array, row by row, whatever its depth, layout and continuity.
-struct Numbers
-{
-    std::vector<double> values;
-    std::string shape;
-    int rowLength; //!< numbers in one row: channels, or the last dimension
-};
-
-Numbers numbersOf(const Mat& m)
-{
-    Mat doubles;
-    m.convertTo(doubles, CV_64F);
-    Numbers numbers;
-    numbers.shape = shapeOf(m);
-    numbers.rowLength = m.channels() > 1 || m.dims < 2 ? m.channels() : m.size[m.dims - 1];
-    if (!doubles.empty())
-        numbers.values.assign(doubles.ptr<double>(), doubles.ptr<double>() + doubles.total() * doubles.channels());
-    return numbers;
-}
-
-bool isListOfMats(const _InputArray& a)
-{
-    return a.isMatVector() || a.isUMatVector() || a.kind() == _InputArray::STD_VECTOR_VECTOR;
-}
-
-//! Splits one array along its first dimension (a vector of points along its only one).
-std::vector<Numbers> slicesOf(const Mat& m)
-{
-    std::vector<Numbers> slices;
-    if (m.empty())
-        return slices;
-    const Numbers all = numbersOf(m);
-    const bool vectorOfPoints = m.dims <= 2 && m.channels() > 1 && (m.size[0] == 1 || m.dims == 1);
-    const size_t count = vectorOfPoints ? m.total() : size_t(m.size[0]), length = all.values.size() / count;
-    for (size_t i = 0; i < count; ++i)
-    {
-        Numbers slice;
-        slice.values.assign(all.values.begin() + i * length, all.values.begin() + (i + 1) * length);
-        slice.shape = all.shape + cv::format(" / %d", int(count));
-        slice.rowLength = all.rowLength;
-        slices.push_back(slice);
-    }
-    return slices;
-}
-
-std::vector<Numbers> readList(const _InputArray& a)
-{
-    if (!isListOfMats(a))
-        return slicesOf(a.getMat());
-    std::vector<Numbers> list;
-    for (int i = 0; i < int(a.total()); ++i)
-        list.push_back(numbersOf(a.getMat(i)));
-    return list;
-}
 
 void requireFinite(const Numbers& numbers, const std::string& name)
 {
@@ -92,14 +30,16 @@ Matrix3d toRotation(const Numbers& numbers, const std::string& name)
     if (numbers.values.size() == 3)
         return expRotation(Vector3d(numbers.values.data()));
     if (numbers.values.size() != 9)
-        CV_Error(Error::StsBadSize, name + ": needed a 3 x 3 rotation or a rotation vector of 3 numbers, given " + numbers.shape);
-    const Matrix3d R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> >(numbers.values.data());
+        CV_Error(Error::StsBadSize,
+                 name + ": needed a 3 x 3 rotation or a rotation vector of 3 numbers, given " + numbers.shape);
+    const Matrix3d R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers.values.data());
     const double deviation = (R.transpose() * R - Matrix3d::Identity()).cwiseAbs().maxCoeff();
     if (deviation > rotationTolerance || R.determinant() < 0)
         CV_Error(Error::StsBadArg,
-                 cv::format("%s: needed a rotation (|R^T R - I| <= %g, det R = +1), given |R^T R - I| = %.3g, det R = %.6g%s",
-                            name.c_str(), rotationTolerance, deviation, R.determinant(),
-                            R.determinant() < 0 ? " (left-handed)" : ""));
+                 cv::format(
+                     "%s: needed a rotation (|R^T R - I| <= %g, det R = +1), given |R^T R - I| = %.3g, det R = %.6g%s",
+                     name.c_str(), rotationTolerance, deviation, R.determinant(),
+                     R.determinant() < 0 ? " (left-handed)" : ""));
     return Eigen::Quaterniond(R).normalized().toRotationMatrix();
 }
 
@@ -145,9 +85,12 @@ void requireOneUnit(const AlignedVector<Pose>& poses)
         const bool tooShort = lengths[view] > length / 3000 && lengths[view] < length / 300 &&
                               poses[view].t.dot(typical) > 0.8 * lengths[view] * typical.norm();
         if (tooLong || tooShort)
-            CV_Error(Error::StsBadArg,
-                     cv::format("t_gripper2base[%d]: millimetres and metres seem to be mixed; needed one unit of length in all views, "
-                                "given |t| = %g where the median of the views is %g", int(view), lengths[view], length));
+            CV_Error(
+                Error::StsBadArg,
+                cv::format(
+                    "t_gripper2base[%d]: millimetres and metres seem to be mixed; needed one unit of length in all views, "
+                    "given |t| = %g where the median of the views is %g",
+                    int(view), lengths[view], length));
     }
 }
 
@@ -184,10 +127,13 @@ AlignedVector<Pose> readRobotPoses(InputArrayOfArrays R_gripper2base, InputArray
     const std::vector<Matrix3d> rotations = readRotations(R_gripper2base, "R_gripper2base");
     const std::vector<Numbers> translations = readList(t_gripper2base);
     if (rotations.size() != translations.size())
-        CV_Error(Error::StsBadSize, cv::format("t_gripper2base: needed one translation for each of the %d rotations of R_gripper2base, given %d",
-                                               int(rotations.size()), int(translations.size())));
+        CV_Error(Error::StsBadSize,
+                 cv::format(
+                     "t_gripper2base: needed one translation for each of the %d rotations of R_gripper2base, given %d",
+                     int(rotations.size()), int(translations.size())));
     if (rotations.size() < 2)
-        CV_Error(Error::StsBadSize, cv::format("R_gripper2base: needed at least 2 views, given %d", int(rotations.size())));
+        CV_Error(Error::StsBadSize,
+                 cv::format("R_gripper2base: needed at least 2 views, given %d", int(rotations.size())));
     AlignedVector<Pose> poses;
     for (size_t i = 0; i < rotations.size(); ++i)
         poses.push_back(Pose{rotations[i], toVector3(translations[i], cv::format("t_gripper2base[%d]", int(i)))});
@@ -231,22 +177,29 @@ std::vector<Pixels> readImagePoints(InputArrayOfArrays imagePoints, size_t views
 {
     const std::vector<Numbers> list = readList(imagePoints);
     if (list.size() != views)
-        CV_Error(Error::StsBadSize,
-                 cv::format("imagePoints: needed one array for each of the %d views, given %d", int(views), int(list.size())));
+        CV_Error(Error::StsBadSize, cv::format("imagePoints: needed one array for each of the %d views, given %d",
+                                               int(views), int(list.size())));
     std::vector<Pixels> result;
     for (size_t view = 0; view < views; ++view)
     {
         const std::string item = cv::format("imagePoints[%d]", int(view));
         result.push_back(toPixels(list[view], item));
         if (result[view].size() != result[0].size())
-            CV_Error(Error::StsBadSize, cv::format("%s: needed %d pixels as in imagePoints[0] (row j is the same scene point in every view), given %d",
-                                                   item.c_str(), int(result[0].size()), int(result[view].size())));
+            CV_Error(
+                Error::StsBadSize,
+                cv::format(
+                    "%s: needed %d pixels as in imagePoints[0] (row j is the same scene point in every view), given %d",
+                    item.c_str(), int(result[0].size()), int(result[view].size())));
         for (size_t j = 0; j < result[view].size(); ++j)
         {
             const Vector2d& x = result[view][j];
             if (!x.allFinite() && !(std::isnan(x.x()) && std::isnan(x.y())))
-                CV_Error(Error::StsBadArg, cv::format("%s: needed two finite numbers, or (NaN, NaN) for a point that was not seen, given (%g, %g) "
-                                                      "at point %d", item.c_str(), x.x(), x.y(), int(j)));
+                CV_Error(
+                    Error::StsBadArg,
+                    cv::format(
+                        "%s: needed two finite numbers, or (NaN, NaN) for a point that was not seen, given (%g, %g) "
+                        "at point %d",
+                        item.c_str(), x.x(), x.y(), int(j)));
         }
     }
     return result;
@@ -271,7 +224,8 @@ void readDistortion(InputArray distCoeffs, Camera& camera)
     requireFinite(numbers, "distCoeffs");
     const size_t count = numbers.values.size();
     if (count != 0 && count != 4 && count != 5)
-        CV_Error(Error::StsBadSize, cv::format("distCoeffs: needed none, 4 (k1, k2, p1, p2) or 5 (and k3) numbers, given %d", int(count)));
+        CV_Error(Error::StsBadSize,
+                 cv::format("distCoeffs: needed none, 4 (k1, k2, p1, p2) or 5 (and k3) numbers, given %d", int(count)));
     std::copy(numbers.values.begin(), numbers.values.end(), camera.D);
 }
 
@@ -279,14 +233,18 @@ Camera readCamera(InputArray cameraMatrix, InputArray distCoeffs)
 {
     const Numbers numbers = numbersOf(cameraMatrix.getMat());
     if (numbers.values.size() != 9)
-        CV_Error(Error::StsBadSize, "cameraMatrix: needed 3 x 3 numbers, given " + (numbers.values.empty() ? "none" : numbers.shape));
+        CV_Error(Error::StsBadSize,
+                 "cameraMatrix: needed 3 x 3 numbers, given " + (numbers.values.empty() ? "none" : numbers.shape));
     requireFinite(numbers, "cameraMatrix");
     Camera camera;
-    camera.K = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> >(numbers.values.data());
+    camera.K = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers.values.data());
     const Matrix3d& K = camera.K;
     if (!(K(0, 0) > 0 && K(1, 1) > 0 && K(1, 0) == 0 && K(2, 0) == 0 && K(2, 1) == 0 && K(2, 2) == 1))
-        CV_Error(Error::StsBadArg, cv::format("cameraMatrix: needed (fx, skew, cx; 0, fy, cy; 0, 0, 1) with fx, fy > 0, given (%g, %g, %g; %g, "
-                                              "%g, %g; %g, %g, %g)", K(0, 0), K(0, 1), K(0, 2), K(1, 0), K(1, 1), K(1, 2), K(2, 0), K(2, 1), K(2, 2)));
+        CV_Error(Error::StsBadArg,
+                 cv::format(
+                     "cameraMatrix: needed (fx, skew, cx; 0, fy, cy; 0, 0, 1) with fx, fy > 0, given (%g, %g, %g; %g, "
+                     "%g, %g; %g, %g, %g)",
+                     K(0, 0), K(0, 1), K(0, 2), K(1, 0), K(1, 1), K(1, 2), K(2, 0), K(2, 1), K(2, 2)));
     readDistortion(distCoeffs, camera);
     return camera;
 }

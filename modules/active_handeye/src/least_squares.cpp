@@ -19,7 +19,8 @@ LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxItera
     {
         // Marquardt's scaling; the added constant keeps parameters that nothing observes where they are.
         Eigen::MatrixXd damped = summary.JtJ;
-        damped.diagonal() += damping * (summary.JtJ.diagonal().array() + 1e-12 * summary.JtJ.diagonal().maxCoeff() + 1e-300).matrix();
+        damped.diagonal() +=
+            damping * (summary.JtJ.diagonal().array() + 1e-12 * summary.JtJ.diagonal().maxCoeff() + 1e-300).matrix();
         const Eigen::VectorXd step = -damped.ldlt().solve(Jtr);
         const double cost = problem.costAfter(step);
         const double predictedDecrease = -step.dot(Jtr);

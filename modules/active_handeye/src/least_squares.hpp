@@ -28,10 +28,10 @@ public:
 
 struct LeastSquaresSummary
 {
-    bool converged;            //!< false: the iterations ran out
+    bool converged; //!< false: the iterations ran out
     int iterations;
-    double cost;               //!< r^T r at the solution
-    Eigen::MatrixXd JtJ;       //!< at the solution; its inverse times the variance of r is the covariance
+    double cost;         //!< r^T r at the solution
+    Eigen::MatrixXd JtJ; //!< at the solution; its inverse times the variance of r is the covariance
 };
 
 //! Levenberg-Marquardt; stops when a step no longer lowers the cost measurably.

@@ -41,7 +41,8 @@ std::vector<MotionGroup> groupByOrientation(const AlignedVector<Pose>& gripper2b
     return groups;
 }
 
-void requireTranslation(const std::vector<MotionGroup>& groups, const AlignedVector<Pose>& gripper2base, double toleranceDeg)
+void requireTranslation(const std::vector<MotionGroup>& groups, const AlignedVector<Pose>& gripper2base,
+                        double toleranceDeg)
 {
     if (std::any_of(groups.begin(), groups.end(), [](const MotionGroup& g) { return g.views.size() > 1; }))
         return;
@@ -54,10 +55,12 @@ void requireTranslation(const std::vector<MotionGroup>& groups, const AlignedVec
             if (angle < smallest)
                 smallest = angle, nearest[0] = i, nearest[1] = j;
         }
-    CV_Error(Error::StsNoConv,
-             cv::format("R_gripper2base: no two views have equal orientation; needed at least two views whose orientations differ by at "
-                        "most orientationTolerance = %g deg, given %d views of which views %d and %d come nearest with %.3f deg",
-                        toleranceDeg, int(gripper2base.size()), nearest[0], nearest[1], smallest));
+    CV_Error(
+        Error::StsNoConv,
+        cv::format(
+            "R_gripper2base: no two views have equal orientation; needed at least two views whose orientations differ by at "
+            "most orientationTolerance = %g deg, given %d views of which views %d and %d come nearest with %.3f deg",
+            toleranceDeg, int(gripper2base.size()), nearest[0], nearest[1], smallest));
 }
 
 void groupViews(InputArrayOfArrays R_gripper2base, OutputArray groupIds, double orientationTolerance)

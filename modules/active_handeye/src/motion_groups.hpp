@@ -16,7 +16,10 @@ struct MotionGroup
     Eigen::Matrix3d R = Eigen::Matrix3d::Identity(); //!< R_gripper2base of the group: mean of its views
 
     //! Displacement of the gripper from the group's first view to `pose`, in the gripper frame.
-    Eigen::Vector3d displacement(const Pose& first, const Pose& pose) const { return R.transpose() * (pose.t - first.t); }
+    Eigen::Vector3d displacement(const Pose& first, const Pose& pose) const
+    {
+        return R.transpose() * (pose.t - first.t);
+    }
 };
 
 //! Views whose orientations agree within toleranceDeg with the first view of their group; every view is in one group.
@@ -26,7 +29,8 @@ std::vector<MotionGroup> groupByOrientation(const AlignedVector<Pose>& gripper2b
 double angleBetween(const Eigen::Matrix3d& R1, const Eigen::Matrix3d& R2);
 
 //! Throws StsNoConv when no group has two views, naming the two views that come nearest.
-void requireTranslation(const std::vector<MotionGroup>& groups, const AlignedVector<Pose>& gripper2base, double toleranceDeg);
+void requireTranslation(const std::vector<MotionGroup>& groups, const AlignedVector<Pose>& gripper2base,
+                        double toleranceDeg);
 
 }} // namespace cv::active_handeye
 

@@ -15,8 +15,8 @@ struct Normalization
     explicit Normalization(const std::vector<const Pixels*>& lists);
 
     Eigen::Vector2d apply(const Eigen::Vector2d& pixel) const { return scale * (pixel - centroid); }
-    Eigen::Matrix3d matrix() const;   //!< pixels -> normalised
-    Eigen::Matrix3d inverse() const;  //!< normalised -> pixels
+    Eigen::Matrix3d matrix() const;  //!< pixels -> normalised
+    Eigen::Matrix3d inverse() const; //!< normalised -> pixels
 
     Eigen::Vector2d centroid;
     double scale;

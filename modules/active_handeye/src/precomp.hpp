@@ -29,7 +29,7 @@ namespace cv { namespace active_handeye {
 
 //! std::vector whose storage respects the alignment Eigen's fixed-size types ask for (C++11 does not do it by itself).
 template <typename T>
-using AlignedVector = std::vector<T, Eigen::aligned_allocator<T> >;
+using AlignedVector = std::vector<T, Eigen::aligned_allocator<T>>;
 
 typedef Eigen::Matrix<double, 9, 1> Vector9d;
 typedef Eigen::Matrix<double, 9, 9> Matrix9d;

@@ -17,7 +17,7 @@ typedef Eigen::Matrix<double, 9, PROJECTION_PARAMETERS> ProjectionJacobian;
 
 Matrix3d toMatrix(const Vector9d& p)
 {
-    return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> >(p.data());
+    return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(p.data());
 }
 
 static Vector9d toVector(const Matrix3d& P)
@@ -101,7 +101,8 @@ class FormProblem : public LeastSquaresProblem
 {
 public:
     FormProblem(const Matrix9d& S, const Matrix3d& T, const MatrixXd& free, const Projection& start)
-        : projection(start), S_(S), T_(T), free_(free) {}
+        : projection(start), S_(S), T_(T), free_(free)
+    {}
 
     double linearize(MatrixXd& JtJ, VectorXd& Jtr) CV_OVERRIDE
     {
@@ -134,8 +135,7 @@ private:
 
 ProjectionSolver::ProjectionSolver(const Normalization& T, const MatrixXd& directions, int flags, const Matrix3d& K)
     : T_(T.matrix()), directions_(directions), flags_(flags), K_(K), free_(freeParameters(flags))
-{
-}
+{}
 
 Projection ProjectionSolver::linearStart(const Matrix9d& S) const
 {

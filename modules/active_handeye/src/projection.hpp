@@ -10,7 +10,10 @@
 
 namespace cv { namespace active_handeye {
 
-enum { PROJECTION_PARAMETERS = 8 }; //!< fx, fy, cx, cy, skew, rotation error vector in the gripper frame
+enum
+{
+    PROJECTION_PARAMETERS = 8
+}; //!< fx, fy, cx, cy, skew, rotation error vector in the gripper frame
 
 //! K and R with P ~ K R^T, det P > 0.
 struct Projection

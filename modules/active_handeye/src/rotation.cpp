@@ -39,17 +39,17 @@ struct TurnDirections
         axisInBase = (mean * axis).normalized();
     }
 
-    MatrixXd observed;    //!< 3 x rank basis, gripper frame
-    Vector3d axis;        //!< the direction least observed: the common axis of all turns, gripper frame
+    MatrixXd observed; //!< 3 x rank basis, gripper frame
+    Vector3d axis;     //!< the direction least observed: the common axis of all turns, gripper frame
     Vector3d axisInBase;
 };
 
-//! Residuals linear in X_j and t, method.md section 5: p = (t, 1), lengths in units of the spread of the gripper positions.
+//! Residuals linear in X_j and t (doc/method/rotation.md): p = (t, 1), lengths in units of the spread of the gripper positions.
 class RotationProblem : public TrackProblem<RotationModel>
 {
 public:
-    RotationProblem(const AlignedVector<Pose>& gripper2base, const std::vector<Pixels>& ideal, const Matrix3d& K, const Matrix3d& R_cam2gripper,
-                    const MatrixXd& observed)
+    RotationProblem(const AlignedVector<Pose>& gripper2base, const std::vector<Pixels>& ideal, const Matrix3d& K,
+                    const Matrix3d& R_cam2gripper, const MatrixXd& observed)
         : observed_(observed)
     {
         std::vector<const Pixels*> all;
@@ -99,7 +99,7 @@ public:
         return sigma * sigma * observed_ * A.inverse() * observed_.transpose();
     }
 
-    double length = 0;   //!< unit of length of the problem
+    double length = 0; //!< unit of length of the problem
 
 private:
     MatrixXd observed_;
@@ -111,15 +111,23 @@ void requireTurns(const TurnDirections& turns, const AlignedVector<Pose>& poses,
     for (const Pose& pose : poses)
         largest = std::max(largest, angleBetween(poses[0].R, pose.R));
     if (turns.observed.cols() == 0)
-        CV_Error(Error::StsNoConv, cv::format("R_gripper2base: no change of orientation, t_cam2gripper is not observed; needed turns of more than %g deg "
-                                              "about two axes that are not parallel, given at most %.3f deg", smallestTurn, largest));
+        CV_Error(
+            Error::StsNoConv,
+            cv::format(
+                "R_gripper2base: no change of orientation, t_cam2gripper is not observed; needed turns of more than %g deg "
+                "about two axes that are not parallel, given at most %.3f deg",
+                smallestTurn, largest));
     if (turns.observed.cols() == 3 || allowPartial)
         return;
     const Vector3d a = turns.axis, b = turns.axisInBase, across = b.unitOrthogonal();
-    CV_Error(Error::StsNoConv, cv::format("R_gripper2base: all rotation axes are parallel, t_cam2gripper along the axis is not observed; needed turns about two "
-                                          "axes that are not parallel, given only turns about (%.2f, %.2f, %.2f) in the gripper frame, (%.2f, %.2f, %.2f) in "
-                                          "base coordinates: add a turn about an axis across it, such as (%.2f, %.2f, %.2f) in base coordinates, or "
-                                          "set ROTATION_ALLOW_PARTIAL", a.x(), a.y(), a.z(), b.x(), b.y(), b.z(), across.x(), across.y(), across.z()));
+    CV_Error(
+        Error::StsNoConv,
+        cv::format(
+            "R_gripper2base: all rotation axes are parallel, t_cam2gripper along the axis is not observed; needed turns about two "
+            "axes that are not parallel, given only turns about (%.2f, %.2f, %.2f) in the gripper frame, (%.2f, %.2f, %.2f) in "
+            "base coordinates: add a turn about an axis across it, such as (%.2f, %.2f, %.2f) in base coordinates, or "
+            "set ROTATION_ALLOW_PARTIAL",
+            a.x(), a.y(), a.z(), b.x(), b.y(), b.z(), across.x(), across.y(), across.z()));
 }
 
 //! Infinite variance along the axis, and infinite covariance with what it touches.
@@ -138,8 +146,12 @@ void requireScale(const Matrix3d& covariance, const MatrixXd& observed, double d
     const MatrixXd known = observed.transpose() * covariance * observed;
     const double deviation = std::sqrt(known.diagonal().maxCoeff());
     if (!(deviation < largestShare * depth))
-        CV_Error(Error::StsNoConv, cv::format("t_gripper2base: t_cam2gripper is not determined; needed a standard deviation below %g of the distance of the "
-                                              "scene, given %.3g at a distance of %.3g: translate farther and turn more", largestShare, deviation, depth));
+        CV_Error(
+            Error::StsNoConv,
+            cv::format(
+                "t_gripper2base: t_cam2gripper is not determined; needed a standard deviation below %g of the distance of the "
+                "scene, given %.3g at a distance of %.3g: translate farther and turn more",
+                largestShare, deviation, depth));
 }
 
 //! Points seen in views of different orientation carry the answer.
@@ -153,19 +165,24 @@ void requireLinks(const Tracks& tracks, const AlignedVector<Pose>& poses, size_t
     int linking = 0;
     for (int j = 0; j < tracks.count(); ++j)
     {
-        const auto from = tracks.observations.begin() + tracks.first[j], to = tracks.observations.begin() + tracks.first[j + 1];
+        const auto from = tracks.observations.begin() + tracks.first[j],
+                   to = tracks.observations.begin() + tracks.first[j + 1];
         linking += std::any_of(from, to, [&](const Observation& o) { return groupOf[o.view] != groupOf[from->view]; });
     }
     if (linking < 2)
-        CV_Error(Error::StsNoConv, cv::format("imagePoints: too few points in common; needed 2 or more points that are seen in views of different "
-                                              "orientation, given %d out of %d points in %d views", linking, int(points), int(poses.size())));
+        CV_Error(
+            Error::StsNoConv,
+            cv::format(
+                "imagePoints: too few points in common; needed 2 or more points that are seen in views of different "
+                "orientation, given %d out of %d points in %d views",
+                linking, int(points), int(poses.size())));
 }
 
 } // namespace
 
-double calibrateHandEyeRotation(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base, InputArrayOfArrays imagePoints,
-                                InputArray cameraMatrix, InputArray distCoeffs, InputArray R_cam2gripper, OutputArray t_cam2gripper,
-                                OutputArray covariance, int flags)
+double calibrateHandEyeRotation(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base,
+                                InputArrayOfArrays imagePoints, InputArray cameraMatrix, InputArray distCoeffs,
+                                InputArray R_cam2gripper, OutputArray t_cam2gripper, OutputArray covariance, int flags)
 {
     CV_TRACE_FUNCTION();
     const AlignedVector<Pose> poses = readRobotPoses(R_gripper2base, t_gripper2base);
@@ -180,8 +197,10 @@ double calibrateHandEyeRotation(InputArrayOfArrays R_gripper2base, InputArrayOfA
     RotationProblem problem(poses, pixels, camera.K, R, turns.observed);
     requireLinks(problem.tracks, poses, pixels[0].size());
     if (!(problem.length > 1e-9 * poses[0].t.norm()))
-        CV_Error(Error::StsNoConv, "t_gripper2base: the gripper only turned, which leaves the scale of t_cam2gripper open; needed views at different "
-                                   "places, given one place: add a translation");
+        CV_Error(
+            Error::StsNoConv,
+            "t_gripper2base: the gripper only turned, which leaves the scale of t_cam2gripper open; needed views at different "
+            "places, given one place: add a translation");
     const TrackFit<RotationModel> fit = fitTracks(problem);
     const Vector3d t = fit.p.head<3>() * problem.length;
     const int parameters = int(turns.observed.cols());

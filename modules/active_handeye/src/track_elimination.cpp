@@ -106,11 +106,14 @@ Vector3d EliminatedPoint::solve(const Vector3d& b) const
 }
 
 template <class Model>
-Eigen::Matrix<double, Model::parameters, Model::parameters> eliminateTracks(const Tracks& tracks, const AlignedVector<Model>& models,
-                                                                           const std::vector<double>& weights,
-                                                                           AlignedVector<EliminatedPoint>& points)
+Eigen::Matrix<double, Model::parameters, Model::parameters>
+eliminateTracks(const Tracks& tracks, const AlignedVector<Model>& models, const std::vector<double>& weights,
+                AlignedVector<EliminatedPoint>& points)
 {
-    enum { Q = Model::parameters };
+    enum
+    {
+        Q = Model::parameters
+    };
     Eigen::Matrix<double, Q, Q> S = Eigen::Matrix<double, Q, Q>::Zero();
     AlignedVector<Matrix3d> perView(models.size(), Matrix3d::Zero());
     points.resize(tracks.count());
@@ -169,15 +172,16 @@ void evaluateTracks(const Tracks& tracks, const AlignedVector<Model>& models, co
     }
 }
 
-template Matrix9d eliminateTracks<TranslationModel>(const Tracks&, const AlignedVector<TranslationModel>&, const std::vector<double>&,
-                                                    AlignedVector<EliminatedPoint>&);
-template Eigen::Matrix4d eliminateTracks<RotationModel>(const Tracks&, const AlignedVector<RotationModel>&, const std::vector<double>&,
-                                                        AlignedVector<EliminatedPoint>&);
-template void evaluateTracks<TranslationModel>(const Tracks&, const AlignedVector<TranslationModel>&, const AlignedVector<Matrix3d>&,
-                                               const std::vector<double>&, const AlignedVector<EliminatedPoint>&, const Vector9d&,
-                                               TrackResiduals&);
-template void evaluateTracks<RotationModel>(const Tracks&, const AlignedVector<RotationModel>&, const AlignedVector<Matrix3d>&,
-                                            const std::vector<double>&, const AlignedVector<EliminatedPoint>&, const Eigen::Vector4d&,
+template Matrix9d eliminateTracks<TranslationModel>(const Tracks&, const AlignedVector<TranslationModel>&,
+                                                    const std::vector<double>&, AlignedVector<EliminatedPoint>&);
+template Eigen::Matrix4d eliminateTracks<RotationModel>(const Tracks&, const AlignedVector<RotationModel>&,
+                                                        const std::vector<double>&, AlignedVector<EliminatedPoint>&);
+template void evaluateTracks<TranslationModel>(const Tracks&, const AlignedVector<TranslationModel>&,
+                                               const AlignedVector<Matrix3d>&, const std::vector<double>&,
+                                               const AlignedVector<EliminatedPoint>&, const Vector9d&, TrackResiduals&);
+template void evaluateTracks<RotationModel>(const Tracks&, const AlignedVector<RotationModel>&,
+                                            const AlignedVector<Matrix3d>&, const std::vector<double>&,
+                                            const AlignedVector<EliminatedPoint>&, const Eigen::Vector4d&,
                                             TrackResiduals&);
 
 }} // namespace cv::active_handeye

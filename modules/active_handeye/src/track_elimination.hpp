@@ -15,7 +15,10 @@ namespace cv { namespace active_handeye {
 //! D_i of x ~ Z - P b_i with p = vec(P), row by row: - (I kron b_i^T).
 struct TranslationModel
 {
-    enum { parameters = 9 };
+    enum
+    {
+        parameters = 9
+    };
     Eigen::Vector3d b = Eigen::Vector3d::Zero();
 
     Eigen::Matrix<double, 3, 9> D() const;
@@ -26,7 +29,10 @@ struct TranslationModel
 //! D_i of a scene point in the base frame seen by a camera at R_i t + t_i: p = (t, 1), D_i = - (R_i, t_i).
 struct RotationModel
 {
-    enum { parameters = 4 };
+    enum
+    {
+        parameters = 4
+    };
     Eigen::Matrix<double, 3, 4> negative;
 
     Eigen::Matrix<double, 3, 4> D() const { return -negative; }
@@ -36,10 +42,10 @@ struct RotationModel
 
 struct Observation
 {
-    int view;              //!< view of the caller
-    int point;             //!< column of imagePoints
-    Eigen::Vector2d x;     //!< image point
-    Eigen::Matrix3d form;  //!< M
+    int view;             //!< view of the caller
+    int point;            //!< column of imagePoints
+    Eigen::Vector2d x;    //!< image point
+    Eigen::Matrix3d form; //!< M
 };
 
 //! Observations sorted by track: track j is observations[first[j]] .. observations[first[j + 1] - 1].
@@ -85,9 +91,9 @@ private:
 Observations of weight 0 do not count. `points` receives what evaluateTracks() needs.
 */
 template <class Model>
-Eigen::Matrix<double, Model::parameters, Model::parameters> eliminateTracks(const Tracks& tracks, const AlignedVector<Model>& models,
-                                                                           const std::vector<double>& weights,
-                                                                           AlignedVector<EliminatedPoint>& points);
+Eigen::Matrix<double, Model::parameters, Model::parameters>
+eliminateTracks(const Tracks& tracks, const AlignedVector<Model>& models, const std::vector<double>& weights,
+                AlignedVector<EliminatedPoint>& points);
 
 //! Depth and squared reprojection error of every observation.
 struct TrackResiduals
@@ -97,9 +103,10 @@ struct TrackResiduals
 
 //! Residuals for given p with every point put back, in views that see Y at toImage Y; NaN for points that are not usable.
 template <class Model>
-void evaluateTracks(const Tracks& tracks, const AlignedVector<Model>& models, const AlignedVector<Eigen::Matrix3d>& toImage,
-                    const std::vector<double>& weights, const AlignedVector<EliminatedPoint>& points,
-                    const Eigen::Matrix<double, Model::parameters, 1>& p, TrackResiduals& residuals);
+void evaluateTracks(const Tracks& tracks, const AlignedVector<Model>& models,
+                    const AlignedVector<Eigen::Matrix3d>& toImage, const std::vector<double>& weights,
+                    const AlignedVector<EliminatedPoint>& points, const Eigen::Matrix<double, Model::parameters, 1>& p,
+                    TrackResiduals& residuals);
 
 }} // namespace cv::active_handeye
 

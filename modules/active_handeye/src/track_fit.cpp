@@ -91,7 +91,10 @@ public:
     bool isBehindCamera() const { return 2 * behind_ >= known_; }
     double typicalResidual() const { return typicalResidual_; } //!< median length
     double parallax() const { return parallax_; }
-    int viewCount() const { return int(observed_.size() - std::count(observed_.begin(), observed_.end(), 0)); } //!< with observations
+    int viewCount() const
+    {
+        return int(observed_.size() - std::count(observed_.begin(), observed_.end(), 0));
+    } //!< with observations
 
 private:
     //! Tries every set of `size` views; keeps the best one when it lowers the typical residual decisively.
@@ -147,7 +150,8 @@ private:
     {
         typicalResidual_ = std::sqrt(medianOf(residuals_.squared));
         // The fit absorbs a part of the noise: of n numbers only r are redundant, which makes residuals sqrt(r / n) of it.
-        const double redundant = double(2 * observations_.size()) - 3 * problem_.tracks.count() - double(Model::parameters);
+        const double redundant =
+            double(2 * observations_.size()) - 3 * problem_.tracks.count() - double(Model::parameters);
         const double absorbed = std::sqrt(2 * observations_.size() / std::max(redundant, 1.));
         const double rayleighMedian = 1.1774, rounding = 1e-7 / problem_.pixelsPerUnit;
         const double gate = gateInSigmas * std::max(typicalResidual_ * absorbed / rayleighMedian, rounding);
@@ -185,7 +189,10 @@ private:
         for (size_t o = 0; o < residuals_.squared.size(); ++o)
         {
             const bool inFront = residuals_.depth[o] > 0;
-            const double weight = !inFront ? 0 : soft ? 1 / (1 + residuals_.squared[o] / cauchySquared) : isOutlier(o) ? 0 : 1;
+            const double weight = !inFront       ? 0
+                                  : soft         ? 1 / (1 + residuals_.squared[o] / cauchySquared)
+                                  : isOutlier(o) ? 0
+                                                 : 1;
             same = same && weight == robust_[o];
             robust_[o] = weight;
             depth_[o] = inFront ? residuals_.depth[o] : 1;
@@ -199,7 +206,8 @@ private:
     bool aViewIsSuspect() const
     {
         const double largeNoise = 0.5, largeShare = 0.02; // pixels; part of the parallax
-        bool suspect = typicalResidual_ * problem_.pixelsPerUnit > largeNoise || typicalResidual_ > largeShare * parallax_;
+        bool suspect =
+            typicalResidual_ * problem_.pixelsPerUnit > largeNoise || typicalResidual_ > largeShare * parallax_;
         for (size_t view = 0; view < excluded_.size(); ++view)
             suspect = suspect || (observed_[view] && !excluded_[view] && mostlyOutliers(view));
         return suspect;
@@ -208,7 +216,7 @@ private:
     TrackProblem<Model>& problem_;
     const AlignedVector<Observation>& observations_;
     double parallax_;
-    std::vector<int> observed_, outliersOfView_;  // observations per view
+    std::vector<int> observed_, outliersOfView_; // observations per view
     std::vector<char> excluded_;
     std::vector<double> depth_, robust_, weights_;
     AlignedVector<EliminatedPoint> points_;
@@ -236,25 +244,40 @@ TrackFit<Model> fitTracks(TrackProblem<Model>& problem)
     Fitter<Model> fitter(problem);
     const double parallax = fitter.parallax(), pixels = problem.pixelsPerUnit;
     if (!(parallax * pixels > 1e-6))
-        CV_Error(Error::StsNoConv, cv::format("%s: imagePoints have no parallax; needed points that move between the views, given a median "
-                                              "displacement of %.3g px in %d tracks", function, parallax * pixels, problem.tracks.count()));
+        CV_Error(
+            Error::StsNoConv,
+            cv::format("%s: imagePoints have no parallax; needed points that move between the views, given a median "
+                       "displacement of %.3g px in %d tracks",
+                       function, parallax * pixels, problem.tracks.count()));
     fitter.run();
     fitter.excludeContradictingViews();
     const double residual = fitter.typicalResidual(), maxShare = 0.25;
     if (fitter.isBehindCamera())
-        CV_Error(Error::StsNoConv, cv::format("%s: most scene points come out behind the camera; needed poses R_gripper2base, t_gripper2base that "
-                                              "belong to imagePoints: are they inverted (base2gripper), or in another order?", function));
+        CV_Error(
+            Error::StsNoConv,
+            cv::format(
+                "%s: most scene points come out behind the camera; needed poses R_gripper2base, t_gripper2base that "
+                "belong to imagePoints: are they inverted (base2gripper), or in another order?",
+                function));
     if (!(residual <= maxShare * parallax))
-        CV_Error(Error::StsNoConv, cv::format("%s: imagePoints do not fit the poses, or have no parallax; needed a residual below %g of the parallax, "
-                                              "given a median residual of %.3g px at a median parallax of %.3g px: translate farther, or check the "
-                                              "order of the poses", function, maxShare, residual * pixels, parallax * pixels));
+        CV_Error(
+            Error::StsNoConv,
+            cv::format(
+                "%s: imagePoints do not fit the poses, or have no parallax; needed a residual below %g of the parallax, "
+                "given a median residual of %.3g px at a median parallax of %.3g px: translate farther, or check the "
+                "order of the poses",
+                function, maxShare, residual * pixels, parallax * pixels));
     const TrackFit<Model> fit = fitter.result();
     if (3 * fit.rejectedViews.size() > size_t(fitter.viewCount()))
-        CV_Error(Error::StsNoConv, cv::format("%s: imagePoints and poses contradict each other; needed two thirds of the views to agree, given %d of %d "
-                                              "views that disagree: %s (no parallax, wrong matches, or poses of other images)", function,
-                                              int(fit.rejectedViews.size()), fitter.viewCount(), listOf(fit.rejectedViews).c_str()));
+        CV_Error(
+            Error::StsNoConv,
+            cv::format(
+                "%s: imagePoints and poses contradict each other; needed two thirds of the views to agree, given %d of %d "
+                "views that disagree: %s (no parallax, wrong matches, or poses of other images)",
+                function, int(fit.rejectedViews.size()), fitter.viewCount(), listOf(fit.rejectedViews).c_str()));
     if (!fit.rejectedViews.empty())
-        CV_LOG_WARNING(NULL, function << ": views " << listOf(fit.rejectedViews) << " contradict the other views and were not used: check their "
+        CV_LOG_WARNING(NULL, function << ": views " << listOf(fit.rejectedViews)
+                                      << " contradict the other views and were not used: check their "
                                       << "R_gripper2base, t_gripper2base and imagePoints");
     return fit;
 }

@@ -30,10 +30,10 @@ public:
     virtual bool mirror(Parameters& p) = 0;
 
     Tracks tracks;
-    AlignedVector<Model> models;                    //!< per view
-    AlignedVector<Eigen::Matrix3d> toImage;         //!< per view: it sees Y at toImage Y
-    double pixelsPerUnit = 1;                       //!< pixels per unit of Observation::x
-    std::string function;                           //!< names the caller in error texts
+    AlignedVector<Model> models;            //!< per view
+    AlignedVector<Eigen::Matrix3d> toImage; //!< per view: it sees Y at toImage Y
+    double pixelsPerUnit = 1;               //!< pixels per unit of Observation::x
+    std::string function;                   //!< names the caller in error texts
 };
 
 template <class Model>
@@ -41,11 +41,11 @@ struct TrackFit
 {
     Eigen::Matrix<double, Model::parameters, 1> p;
     Eigen::Matrix<double, Model::parameters, Model::parameters> S; //!< p^T S p is the sum of squared residuals
-    std::vector<int> rejectedViews;  //!< views that contradict the others
-    double cost;                     //!< sum of squared residuals used, in units of Observation::x
-    int used;                        //!< observations used
-    double medianDepth;              //!< of the observations
-    int redundancy;                  //!< 2 x observations used - 3 x tracks used, before the parameters
+    std::vector<int> rejectedViews;                                //!< views that contradict the others
+    double cost;        //!< sum of squared residuals used, in units of Observation::x
+    int used;           //!< observations used
+    double medianDepth; //!< of the observations
+    int redundancy;     //!< 2 x observations used - 3 x tracks used, before the parameters
 
     //! Noise of one coordinate of an image point.
     double sigma(int freeParameters) const { return std::sqrt(cost / std::max(redundancy - freeParameters, 1)); }

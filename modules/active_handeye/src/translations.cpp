@@ -27,9 +27,10 @@ struct Estimate
 class GivenProjection : public TranslationsProblem
 {
 public:
-    GivenProjection(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Normalization& T, const ProjectionSolver& solver,
-                    const Projection& given)
-        : TranslationsProblem(motion, pixels, T, solver), p_(solver.vector(given)) {}
+    GivenProjection(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Normalization& T,
+                    const ProjectionSolver& solver, const Projection& given)
+        : TranslationsProblem(motion, pixels, T, solver), p_(solver.vector(given))
+    {}
 
     Vector9d minimize(const Matrix9d&) CV_OVERRIDE { return p_; }
     bool mirror(Vector9d&) CV_OVERRIDE { return false; }
@@ -47,10 +48,12 @@ void requireTracks(const Tracks& tracks, const std::vector<Pixels>& pixels, int 
     const int common = int(std::unique(points.begin(), points.end()) - points.begin());
     const int equations = 2 * int(tracks.observations.size()) - 3 * tracks.count();
     if (common < 2 || equations < parameters)
-        CV_Error(Error::StsNoConv,
-                 cv::format("imagePoints: too few points in common; needed 2 or more points that are seen in two views of equal orientation, and %d "
-                            "equations, given %d such points with %d equations (2 per image point - 3 per point and group) out of %d points in %d views",
-                            parameters, common, equations, int(pixels[0].size()), int(pixels.size())));
+        CV_Error(
+            Error::StsNoConv,
+            cv::format(
+                "imagePoints: too few points in common; needed 2 or more points that are seen in two views of equal orientation, and %d "
+                "equations, given %d such points with %d equations (2 per image point - 3 per point and group) out of %d points in %d views",
+                parameters, common, equations, int(pixels[0].size()), int(pixels.size())));
 }
 
 //! The covariance leaves no doubt that the data say something about fx.
@@ -58,9 +61,12 @@ void requireKnownFocalLength(const Projection& projection, const MatrixXd& covar
 {
     const double fx = projection.K(0, 0), deviation = std::sqrt(covariance(0, 0)), largestShare = 0.3;
     if (!(deviation < largestShare * fx))
-        CV_Error(Error::StsNoConv, cv::format("imagePoints: cameraMatrix is not determined; needed a standard deviation of fx below %g of it, given fx = %.4g +- "
-                                              "%.2g px: translate farther, also along the optical axis, or use points at different depths",
-                                              largestShare, fx, deviation));
+        CV_Error(
+            Error::StsNoConv,
+            cv::format(
+                "imagePoints: cameraMatrix is not determined; needed a standard deviation of fx below %g of it, given fx = %.4g +- "
+                "%.2g px: translate farther, also along the optical axis, or use points at different depths",
+                largestShare, fx, deviation));
 }
 
 Estimate estimateMetric(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Normalization& T,
@@ -82,21 +88,24 @@ struct Expansion
     int view;
 };
 
-Expansion expansionOf(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Normalization& T, int from, int to)
+Expansion expansionOf(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Normalization& T,
+                      int from, int to)
 {
     Pixels x1, x2;
     for (size_t j = 0; j < pixels[from].size(); ++j)
         if (pixels[from][j].allFinite() && pixels[to][j].allFinite())
             x1.push_back(pixels[from][j]), x2.push_back(pixels[to][j]);
     const double threshold = 2, confidence = 0.999;
-    const FOE foe = estimateFOE(x1, x2, FOE_RANSAC, threshold, confidence, cv::format("imagePoints[%d], imagePoints[%d]", from, to));
+    const FOE foe = estimateFOE(x1, x2, FOE_RANSAC, threshold, confidence,
+                                cv::format("imagePoints[%d], imagePoints[%d]", from, to));
     const Vector3d mapped = T.matrix() * foe.direction;
     const Vector3d e = mapped.normalized();
     const Eigen::Matrix<double, 3, 2> basis = tangentBasis(e);
     const Eigen::Matrix<double, 2, 3> J = basis.transpose() * T.matrix() / mapped.norm();
     const double floor = 1e-9; // rad: exact data have no noise, but their rounding
     const Eigen::Matrix2d C = J * foe.covariance * J.transpose() + floor * floor * Eigen::Matrix2d::Identity();
-    return Expansion{e, basis * C.inverse() * basis.transpose(), motion.displacement[to] - motion.displacement[from], to};
+    return Expansion{e, basis * C.inverse() * basis.transpose(), motion.displacement[to] - motion.displacement[from],
+                     to};
 }
 
 TranslationModel modelOf(const Expansion& expansion)
@@ -114,7 +123,8 @@ Matrix9d expansionForm(const std::vector<Expansion>& expansions, const Vector9d*
     {
         const Eigen::Matrix<double, 3, 9> D = modelOf(expansion).D();
         const double length = p ? (D * *p).norm() : expansion.b.norm();
-        const Matrix3d W = p ? expansion.information : Matrix3d(Matrix3d::Identity() - expansion.e * expansion.e.transpose());
+        const Matrix3d W =
+            p ? expansion.information : Matrix3d(Matrix3d::Identity() - expansion.e * expansion.e.transpose());
         S += D.transpose() * W * D / (length * length);
     }
     return S;
@@ -124,9 +134,11 @@ void requireFourDirections(const Matrix9d& S)
 {
     const Eigen::SelfAdjointEigenSolver<Matrix9d> eigen(S, Eigen::EigenvaluesOnly);
     if (eigen.eigenvalues()[1] < 1e-7 * eigen.eigenvalues()[8])
-        CV_Error(Error::StsNoConv, "t_gripper2base: TRANSLATIONS_FOE with cameraMatrix unknown needs at least four translations in one group or "
-                                   "over all groups, no three of them coplanar; given fewer: add translations in new directions, or use "
-                                   "TRANSLATIONS_METRIC, which needs three");
+        CV_Error(
+            Error::StsNoConv,
+            "t_gripper2base: TRANSLATIONS_FOE with cameraMatrix unknown needs at least four translations in one group or "
+            "over all groups, no three of them coplanar; given fewer: add translations in new directions, or use "
+            "TRANSLATIONS_METRIC, which needs three");
 }
 
 Estimate estimateFromFOEs(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Normalization& T,
@@ -147,15 +159,20 @@ Estimate estimateFromFOEs(const GroupTranslations& motion, const std::vector<Pix
         S = expansionForm(expansions, &p);
     }
     double agreement = 0;
-    const auto along = [&](const Expansion& x) { return -x.e.dot(modelOf(x).shift(solver.vector(projection)).normalized()); };
+    const auto along = [&](const Expansion& x)
+    { return -x.e.dot(modelOf(x).shift(solver.vector(projection)).normalized()); };
     for (const Expansion& expansion : expansions)
         agreement += along(expansion);
     if (agreement < 0 && solver.mirror(projection))
         agreement = -agreement;
     for (const Expansion& expansion : expansions)
         if (along(expansion) < 0)
-            CV_Error(Error::StsNoConv, cv::format("t_gripper2base[%d]: the image moved against the translation of the robot; needed poses that belong to "
-                                                  "imagePoints: are they inverted (base2gripper), or in another order?", expansion.view));
+            CV_Error(
+                Error::StsNoConv,
+                cv::format(
+                    "t_gripper2base[%d]: the image moved against the translation of the robot; needed poses that belong to "
+                    "imagePoints: are they inverted (base2gripper), or in another order?",
+                    expansion.view));
     const Vector9d p = solver.vector(projection);
     const int redundancy = 2 * int(expansions.size()) - solver.freeCount();
     const double misfit = redundancy > 0 ? std::sqrt(std::max(p.dot(S * p), 0.) / redundancy) : 1;
@@ -164,7 +181,8 @@ Estimate estimateFromFOEs(const GroupTranslations& motion, const std::vector<Pix
     return Estimate{projection, solver.covariance(projection, S, std::max(misfit, 1.)), fit.rms() / T.scale};
 }
 
-Estimate estimateOnce(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Camera& camera, TranslationsMethod method, int flags)
+Estimate estimateOnce(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Camera& camera,
+                      TranslationsMethod method, int flags)
 {
     std::vector<const Pixels*> all;
     for (const MotionGroup& group : motion.groups)
@@ -173,12 +191,13 @@ Estimate estimateOnce(const GroupTranslations& motion, const std::vector<Pixels>
                 all.push_back(&pixels[view]);
     const Normalization T(all);
     const ProjectionSolver solver(T, motion.directions, flags, camera.K);
-    return method == TRANSLATIONS_FOE ? estimateFromFOEs(motion, pixels, T, solver, flags) : estimateMetric(motion, pixels, T, solver);
+    return method == TRANSLATIONS_FOE ? estimateFromFOEs(motion, pixels, T, solver, flags)
+                                      : estimateMetric(motion, pixels, T, solver);
 }
 
 //! K unknown, distortion known: removes it with the last K until K stays.
-Estimate estimateWithDistortion(const GroupTranslations& motion, const std::vector<Pixels>& recorded, Camera camera, bool guessed,
-                                TranslationsMethod method, int flags)
+Estimate estimateWithDistortion(const GroupTranslations& motion, const std::vector<Pixels>& recorded, Camera camera,
+                                bool guessed, TranslationsMethod method, int flags)
 {
     if (!guessed)
         camera.K = estimateOnce(motion, recorded, camera, method, flags).projection.K;
@@ -191,23 +210,32 @@ Estimate estimateWithDistortion(const GroupTranslations& motion, const std::vect
         if (change <= 1e-10 * camera.K(0, 0))
             return estimate;
     }
-    CV_Error(Error::StsNoConv, cv::format("distCoeffs: removing the distortion with an unknown cameraMatrix did not settle in %d rounds; needed a weaker "
-                                          "distortion, or cameraMatrix with TRANSLATIONS_FIX_K", maxRounds));
+    CV_Error(
+        Error::StsNoConv,
+        cv::format(
+            "distCoeffs: removing the distortion with an unknown cameraMatrix did not settle in %d rounds; needed a weaker "
+            "distortion, or cameraMatrix with TRANSLATIONS_FIX_K",
+            maxRounds));
 }
 
 } // namespace
 
-double calibrateHandEyeTranslations(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base, InputArrayOfArrays imagePoints,
-                                    InputOutputArray cameraMatrix, InputArray distCoeffs, OutputArray R_cam2gripper, OutputArray covariance,
+double calibrateHandEyeTranslations(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base,
+                                    InputArrayOfArrays imagePoints, InputOutputArray cameraMatrix,
+                                    InputArray distCoeffs, OutputArray R_cam2gripper, OutputArray covariance,
                                     TranslationsMethod method, int flags, double orientationTolerance)
 {
     CV_TRACE_FUNCTION();
     const AlignedVector<Pose> poses = readRobotPoses(R_gripper2base, t_gripper2base);
     const std::vector<Pixels> recorded = readImagePoints(imagePoints, poses.size());
     if (method != TRANSLATIONS_METRIC && method != TRANSLATIONS_FOE)
-        CV_Error(Error::StsBadArg, cv::format("method: needed TRANSLATIONS_METRIC (0) or TRANSLATIONS_FOE (1), given %d", int(method)));
+        CV_Error(Error::StsBadArg,
+                 cv::format("method: needed TRANSLATIONS_METRIC (0) or TRANSLATIONS_FOE (1), given %d", int(method)));
     if (flags & ~allFlags)
-        CV_Error(Error::StsBadArg, cv::format("flags: needed a combination of TRANSLATIONS_FIX_K, _ZERO_SKEW and _SQUARE_PIXELS, given %d", flags));
+        CV_Error(
+            Error::StsBadArg,
+            cv::format("flags: needed a combination of TRANSLATIONS_FIX_K, _ZERO_SKEW and _SQUARE_PIXELS, given %d",
+                       flags));
     readPositive(orientationTolerance, "orientationTolerance");
     const bool knownK = (flags & TRANSLATIONS_FIX_K) != 0, guessed = !cameraMatrix.empty();
     Camera camera;
@@ -217,7 +245,8 @@ double calibrateHandEyeTranslations(InputArrayOfArrays R_gripper2base, InputArra
         readDistortion(distCoeffs, camera);
 
     const GroupTranslations motion(poses, orientationTolerance);
-    motion.requireDirections(knownK ? 2 : 3, knownK ? "two that are not parallel" : "three that are not coplanar (two with TRANSLATIONS_FIX_K)");
+    motion.requireDirections(knownK ? 2 : 3, knownK ? "two that are not parallel"
+                                                    : "three that are not coplanar (two with TRANSLATIONS_FIX_K)");
     const Estimate estimate = knownK || !camera.hasDistortion()
                                   ? estimateOnce(motion, idealPixels(recorded, camera), camera, method, flags)
                                   : estimateWithDistortion(motion, recorded, camera, guessed, method, flags);

@@ -51,7 +51,8 @@ GroupTranslations::GroupTranslations(const AlignedVector<Pose>& gripper2base, do
     axes = eigen.eigenvectors().rowwise().reverse();
     const double minimumSpread = 0.01; // of the largest: about half a degree
     int rank = 0;
-    while (rank < 3 && length > 0 && eigen.eigenvalues()[2 - rank] > minimumSpread * minimumSpread * eigen.eigenvalues()[2])
+    while (rank < 3 && length > 0 &&
+           eigen.eigenvalues()[2 - rank] > minimumSpread * minimumSpread * eigen.eigenvalues()[2])
         ++rank;
     directions = axes.leftCols(rank);
     if (length > 0)
@@ -66,18 +67,21 @@ void GroupTranslations::requireDirections(int needed, const std::string& purpose
         return;
     const Matrix3d base = R_gripper2base * axes;
     if (given == 0)
-        CV_Error(Error::StsNoConv, "t_gripper2base: the views of equal orientation are all at one place; needed translations: " + purpose +
-                                       ", given none");
+        CV_Error(Error::StsNoConv,
+                 "t_gripper2base: the views of equal orientation are all at one place; needed translations: " +
+                     purpose + ", given none");
     if (given == 1)
-        CV_Error(Error::StsNoConv, "t_gripper2base: all translations are parallel; needed translations: " + purpose + ", given only along " +
-                                       text(base.col(0)) + " in base coordinates: add one along " + text(base.col(1)) +
+        CV_Error(Error::StsNoConv, "t_gripper2base: all translations are parallel; needed translations: " + purpose +
+                                       ", given only along " + text(base.col(0)) +
+                                       " in base coordinates: add one along " + text(base.col(1)) +
                                        (needed > 2 ? " and one along " + text(base.col(2)) : ""));
     CV_Error(Error::StsNoConv, "t_gripper2base: all translations are coplanar; needed translations: " + purpose +
-                                   ", given none out of one plane: add one along " + text(base.col(2)) + " in base coordinates");
+                                   ", given none out of one plane: add one along " + text(base.col(2)) +
+                                   " in base coordinates");
 }
 
-TranslationsProblem::TranslationsProblem(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Normalization& T,
-                                         const ProjectionSolver& solver)
+TranslationsProblem::TranslationsProblem(const GroupTranslations& motion, const std::vector<Pixels>& pixels,
+                                         const Normalization& T, const ProjectionSolver& solver)
     : motion_(motion), solver_(solver), orientationsDiffer_(false)
 {
     std::vector<Pixels> normalized = pixels;

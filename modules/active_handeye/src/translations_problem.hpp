@@ -19,16 +19,17 @@ struct GroupTranslations
     //! Throws StsNoConv when the translations cover too few directions, naming what is missing in base coordinates.
     void requireDirections(int needed, const std::string& purpose) const;
 
-    std::vector<MotionGroup> groups;              //!< all groups
-    AlignedVector<Eigen::Vector3d> displacement;  //!< per view, gripper frame, in units of `length`
-    AlignedVector<Eigen::Matrix3d> rotation;      //!< per view: R_group^T R_view, the rest of the orientation within the tolerance
-    Eigen::MatrixXd directions;                   //!< 3 x r orthonormal basis of the displacements, gripper frame
-    Eigen::Matrix3d axes;                         //!< directions, completed by what is missing
-    Eigen::Matrix3d R_gripper2base;               //!< of the largest group
-    double length;                                //!< mean length of the displacements
+    std::vector<MotionGroup> groups;             //!< all groups
+    AlignedVector<Eigen::Vector3d> displacement; //!< per view, gripper frame, in units of `length`
+    AlignedVector<Eigen::Matrix3d>
+        rotation;                   //!< per view: R_group^T R_view, the rest of the orientation within the tolerance
+    Eigen::MatrixXd directions;     //!< 3 x r orthonormal basis of the displacements, gripper frame
+    Eigen::Matrix3d axes;           //!< directions, completed by what is missing
+    Eigen::Matrix3d R_gripper2base; //!< of the largest group
+    double length;                  //!< mean length of the displacements
 };
 
-//! x ~ Z_j - P b_i, method.md 4b: fitTracks() for given displacements.
+//! x ~ Z_j - P b_i (doc/method/translations.md), for given displacements.
 class TranslationsProblem : public TrackProblem<TranslationModel>
 {
 public:
@@ -46,7 +47,7 @@ protected:
     const ProjectionSolver& solver_;
 
 private:
-    bool orientationsDiffer_;  //!< within the tolerance
+    bool orientationsDiffer_; //!< within the tolerance
 };
 
 }} // namespace cv::active_handeye

@@ -81,7 +81,8 @@ public:
 
     static vector<Vec3d> fourTranslations()
     {
-        return vector<Vec3d>{Vec3d(0, 0, 0), Vec3d(50, 5, 20), Vec3d(-10, 45, -25), Vec3d(5, -20, 50), Vec3d(-45, -30, -15)};
+        return vector<Vec3d>{Vec3d(0, 0, 0), Vec3d(50, 5, 20), Vec3d(-10, 45, -25), Vec3d(5, -20, 50),
+                             Vec3d(-45, -30, -15)};
     }
 
     //! Two groups of four translations and two more orientations.

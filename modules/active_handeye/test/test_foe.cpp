@@ -37,7 +37,8 @@ Pair translate(const Vec3d& c, int points, double noise, uint64 seed, double dep
 
 vector<Vec3d> motions()
 {
-    return vector<Vec3d>{Vec3d(0, 0, 60), Vec3d(0, 0, -60), Vec3d(50, 0, 0), Vec3d(0, -50, 0), Vec3d(30, 20, 40), Vec3d(-30, 40, -2)};
+    return vector<Vec3d>{Vec3d(0, 0, 60),  Vec3d(0, 0, -60),  Vec3d(50, 0, 0),
+                         Vec3d(0, -50, 0), Vec3d(30, 20, 40), Vec3d(-30, 40, -2)};
 }
 
 TEST(ActiveHandEye_EstimateFOE, exact_data_give_the_signed_direction)
@@ -85,8 +86,10 @@ TEST(ActiveHandEye_EstimateFOE, thirty_percent_wrong_matches_are_masked)
         Mat mask;
         estimateFOE(pair.x1, pair.x2, foe, mask);
         Matx33d covariance;
-        estimateFOE(pair.x1.rowRange(30, 100), pair.x2.rowRange(30, 100), clean, noArray(), covariance, FOE_LEAST_SQUARES);
-        EXPECT_LE(cv::norm(foe - clean), 2 * std::sqrt(cv::trace(covariance))); // a few wrong matches lie near their line by chance
+        estimateFOE(pair.x1.rowRange(30, 100), pair.x2.rowRange(30, 100), clean, noArray(), covariance,
+                    FOE_LEAST_SQUARES);
+        EXPECT_LE(cv::norm(foe - clean),
+                  2 * std::sqrt(cv::trace(covariance))); // a few wrong matches lie near their line by chance
         EXPECT_LE(cv::countNonZero(mask.rowRange(0, 30)), 4);
         EXPECT_GE(cv::countNonZero(mask.rowRange(30, 100)), 68);
     }
@@ -143,15 +146,18 @@ TEST(ActiveHandEye_EstimateFOE, input_that_cannot_answer_is_refused)
 {
     const Pair pair = translate(Vec3d(30, 20, 40), 20, 0.1, 5);
     Vec3d foe;
-    const auto estimate = [&foe](const Mat& x1, const Mat& x2) { return [&foe, x1, x2]() { estimateFOE(x1, x2, foe); }; };
-    expectError(estimate(pair.x1.rowRange(0, 1), pair.x2.rowRange(0, 1)), Error::StsNoConv, {"needed at least 2 matches, given 1"});
+    const auto estimate = [&foe](const Mat& x1, const Mat& x2)
+    { return [&foe, x1, x2]() { estimateFOE(x1, x2, foe); }; };
+    expectError(estimate(pair.x1.rowRange(0, 1), pair.x2.rowRange(0, 1)), Error::StsNoConv,
+                {"needed at least 2 matches, given 1"});
     expectError(estimate(pair.x1, pair.x1), Error::StsNoConv, {"no parallax", "median displacement of 0 px"});
     Mat jitter = pair.x1.clone();
     RNG rng(3);
     for (int j = 0; j < 20; ++j)
         jitter.at<double>(j, 0) += rng.gaussian(0.1), jitter.at<double>(j, 1) += rng.gaussian(0.1);
     expectError(estimate(pair.x1, jitter), Error::StsNoConv, {"points1, points2: no parallax", "px at a residual of"});
-    const Mat line1 = (Mat_<double>(3, 2) << 10., 10., 20., 20., 40., 40.), line2 = (Mat_<double>(3, 2) << 12., 12., 23., 23., 44., 44.);
+    const Mat line1 = (Mat_<double>(3, 2) << 10., 10., 20., 20., 40., 40.),
+              line2 = (Mat_<double>(3, 2) << 12., 12., 23., 23., 44., 44.);
     expectError(estimate(line1, line2), Error::StsNoConv, {"on one line"});
     RNG random(9);
     Mat noise1(100, 2, CV_64F), noise2(100, 2, CV_64F);
@@ -166,14 +172,18 @@ TEST(ActiveHandEye_EstimateFOE, wrong_input_is_named)
     Vec3d foe;
     Mat withNaN = pair.x1.clone();
     withNaN.at<double>(4, 1) = std::numeric_limits<double>::quiet_NaN();
-    expectError([&] { estimateFOE(withNaN, pair.x2, foe); }, Error::StsBadArg, {"points1", "finite", "given", "position 9"});
-    expectError([&] { estimateFOE(pair.x1, pair.x2.rowRange(0, 19), foe); }, Error::StsBadSize, {"points2", "20 matches", "given 19"});
-    expectError([&] { estimateFOE(pair.x1.t(), pair.x2.t(), foe); }, Error::StsBadSize, {"points1", "N x 2", "given 2 x 20"});
-    expectError([&] { estimateFOE(pair.x1, pair.x2, foe, noArray(), noArray(), FOEMethod(7)); }, Error::StsBadArg, {"method", "given 7"});
+    expectError([&] { estimateFOE(withNaN, pair.x2, foe); }, Error::StsBadArg,
+                {"points1", "finite", "given", "position 9"});
+    expectError([&] { estimateFOE(pair.x1, pair.x2.rowRange(0, 19), foe); }, Error::StsBadSize,
+                {"points2", "20 matches", "given 19"});
+    expectError([&] { estimateFOE(pair.x1.t(), pair.x2.t(), foe); }, Error::StsBadSize,
+                {"points1", "N x 2", "given 2 x 20"});
+    expectError([&] { estimateFOE(pair.x1, pair.x2, foe, noArray(), noArray(), FOEMethod(7)); }, Error::StsBadArg,
+                {"method", "given 7"});
     expectError([&] { estimateFOE(pair.x1, pair.x2, foe, noArray(), noArray(), FOE_RANSAC, -1); }, Error::StsOutOfRange,
                 {"threshold", "positive", "given -1"});
-    expectError([&] { estimateFOE(pair.x1, pair.x2, foe, noArray(), noArray(), FOE_RANSAC, 1, 1); }, Error::StsOutOfRange,
-                {"confidence", "between 0 and 1"});
+    expectError([&] { estimateFOE(pair.x1, pair.x2, foe, noArray(), noArray(), FOE_RANSAC, 1, 1); },
+                Error::StsOutOfRange, {"confidence", "between 0 and 1"});
 }
 
 }} // namespace opencv_test

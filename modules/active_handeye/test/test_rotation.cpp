@@ -15,8 +15,8 @@ struct Estimate
 Estimate calibrate(const PointScene& scene, int flags = 0)
 {
     Estimate estimate;
-    estimate.rms = calibrateHandEyeRotation(scene.R, scene.t, scene.imagePoints, scene.K, scene.dist(), scene.R_cam2gripper, estimate.t,
-                                            estimate.covariance, flags);
+    estimate.rms = calibrateHandEyeRotation(scene.R, scene.t, scene.imagePoints, scene.K, scene.dist(),
+                                            scene.R_cam2gripper, estimate.t, estimate.covariance, flags);
     return estimate;
 }
 
@@ -62,10 +62,10 @@ TEST(ActiveHandEye_Rotation, eye_to_hand_with_inverted_poses_gives_camera_to_bas
     for (size_t view = 0; view < scene.R.size(); ++view)
     {
         const Mat base2gripper = scene.R[view].t();
-        hand.R[view] = base2gripper;                    // what such a robot reports: R_gripper2base
+        hand.R[view] = base2gripper; // what such a robot reports: R_gripper2base
         hand.t[view] = -base2gripper * scene.t[view];
     }
-    vector<Mat> R_base2gripper, t_base2gripper;         // what the user passes
+    vector<Mat> R_base2gripper, t_base2gripper; // what the user passes
     for (size_t view = 0; view < hand.R.size(); ++view)
     {
         R_base2gripper.push_back(hand.R[view].t());
@@ -74,7 +74,8 @@ TEST(ActiveHandEye_Rotation, eye_to_hand_with_inverted_poses_gives_camera_to_bas
     Mat K_hand, R_cam2base;
     Vec3d t_cam2base;
     calibrateHandEyeTranslations(R_base2gripper, t_base2gripper, scene.imagePoints, K_hand, noArray(), R_cam2base);
-    calibrateHandEyeRotation(R_base2gripper, t_base2gripper, scene.imagePoints, K_hand, noArray(), R_cam2base, t_cam2base);
+    calibrateHandEyeRotation(R_base2gripper, t_base2gripper, scene.imagePoints, K_hand, noArray(), R_cam2base,
+                             t_cam2base);
     // An object point P of the gripper frame is seen at K R_cam2base^T (R_gripper2base P + t_gripper2base - t_cam2base).
     for (int view : {0, 4, 11})
     {
@@ -103,7 +104,8 @@ TEST(ActiveHandEye_Rotation, result_scales_with_the_unit_and_ignores_frame_and_o
     std::reverse(reversed.t.begin(), reversed.t.end());
     std::reverse(reversed.imagePoints.begin(), reversed.imagePoints.end());
     EXPECT_LE(cv::norm(calibrate(metres).t * 1000 - reference.t), 1e-9 * cv::norm(reference.t));
-    EXPECT_LE(cv::norm(calibrate(metres).covariance * 1e6 - reference.covariance), 1e-6 * cv::norm(reference.covariance));
+    EXPECT_LE(cv::norm(calibrate(metres).covariance * 1e6 - reference.covariance),
+              1e-6 * cv::norm(reference.covariance));
     EXPECT_LE(cv::norm(calibrate(moved).t - reference.t), 1e-9 * cv::norm(reference.t));
     EXPECT_LE(cv::norm(calibrate(reversed).t - reference.t), 1e-9 * cv::norm(reference.t));
 }
@@ -142,13 +144,15 @@ TEST(ActiveHandEye_Rotation, one_axis_is_refused_or_marked)
     const Vec3d axis = Vec3d(1, 2, -1) * (1 / std::sqrt(6.));
     const PointScene scene = turningAbout(axis);
     expectError([&] { calibrate(scene); }, Error::StsNoConv,
-                {"all rotation axes are parallel", "(0.41, 0.82, -0.41) in the gripper frame", "base coordinates: add a turn", "ROTATION_ALLOW_PARTIAL"});
+                {"all rotation axes are parallel", "(0.41, 0.82, -0.41) in the gripper frame",
+                 "base coordinates: add a turn", "ROTATION_ALLOW_PARTIAL"});
     const Estimate partial = calibrate(scene, ROTATION_ALLOW_PARTIAL);
     const Vec3d across = scene.t_cam2gripper - axis * axis.dot(scene.t_cam2gripper);
     EXPECT_LE(cv::norm(partial.t - across), 1e-7);
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
-            EXPECT_EQ(std::copysign(std::numeric_limits<double>::infinity(), axis[i] * axis[j]), partial.covariance(i, j));
+            EXPECT_EQ(std::copysign(std::numeric_limits<double>::infinity(), axis[i] * axis[j]),
+                      partial.covariance(i, j));
     const Estimate simple = calibrate(turningAbout(Vec3d(0, 0, 1)), ROTATION_ALLOW_PARTIAL);
     EXPECT_TRUE(std::isinf(simple.covariance(2, 2)));
     EXPECT_LE(simple.covariance(0, 0), 1e-12);
@@ -161,7 +165,8 @@ TEST(ActiveHandEye_Rotation, motion_that_cannot_answer_is_refused)
     straight.addGroup(Vec3d(), PointScene::fourTranslations());
     straight.project();
     for (int flags : {0, int(ROTATION_ALLOW_PARTIAL)})
-        expectError([&] { calibrate(straight, flags); }, Error::StsNoConv, {"no change of orientation", "two axes that are not parallel", "at most 0.000 deg"});
+        expectError([&] { calibrate(straight, flags); }, Error::StsNoConv,
+                    {"no change of orientation", "two axes that are not parallel", "at most 0.000 deg"});
 
     PointScene still(1);
     for (const Vec3d& turn : {Vec3d(0, 0, 0), Vec3d(0.1, 0, 0), Vec3d(0, 0.1, 0), Vec3d(0, 0, 0.2)})
@@ -179,7 +184,8 @@ TEST(ActiveHandEye_Rotation, motion_that_cannot_answer_is_refused)
     PointScene unlinked = PointScene::complete();
     for (size_t view = 5; view < unlinked.imagePoints.size(); ++view)
         unlinked.imagePoints[view].setTo(std::numeric_limits<double>::quiet_NaN());
-    expectError([&] { calibrate(unlinked); }, Error::StsNoConv, {"too few points in common", "different orientation", "given 0 out of 30 points"});
+    expectError([&] { calibrate(unlinked); }, Error::StsNoConv,
+                {"too few points in common", "different orientation", "given 0 out of 30 points"});
 }
 
 TEST(ActiveHandEye_Rotation, wrong_input_is_named)
@@ -191,7 +197,8 @@ TEST(ActiveHandEye_Rotation, wrong_input_is_named)
         calibrateHandEyeRotation(scene.R, scene.t, scene.imagePoints, K, noArray(), R, t, noArray(), flags);
     };
     expectError([&] { call(Mat(), Mat(scene.R_cam2gripper), 0); }, Error::StsBadSize, {"cameraMatrix", "given none"});
-    expectError([&] { call(Mat(scene.K), 1.01 * Mat(scene.R_cam2gripper), 0); }, Error::StsBadArg, {"R_cam2gripper", "needed a rotation"});
+    expectError([&] { call(Mat(scene.K), 1.01 * Mat(scene.R_cam2gripper), 0); }, Error::StsBadArg,
+                {"R_cam2gripper", "needed a rotation"});
     expectError([&] { call(Mat(scene.K), Mat(), 0); }, Error::StsBadSize, {"R_cam2gripper"});
     expectError([&] { call(Mat(scene.K), Mat(scene.R_cam2gripper), 4); }, Error::StsBadArg, {"flags", "given 4"});
 }

@@ -41,9 +41,9 @@ residuals; with two matches there are none, and a noise of 1 px per axis is assu
 @throws cv::Exception StsBadArg, StsBadSize, StsOutOfRange for wrong input; StsNoConv when the matches cannot answer: fewer than two, no
 parallax (the median displacement in pixels is in the text), or all displacements on one line.
 */
-CV_EXPORTS_W int estimateFOE(InputArray points1, InputArray points2, OutputArray foe, OutputArray inlierMask = noArray(),
-                             OutputArray covariance = noArray(), FOEMethod method = FOE_RANSAC, double threshold = 1.0,
-                             double confidence = 0.999);
+CV_EXPORTS_W int estimateFOE(InputArray points1, InputArray points2, OutputArray foe,
+                             OutputArray inlierMask = noArray(), OutputArray covariance = noArray(),
+                             FOEMethod method = FOE_RANSAC, double threshold = 1.0, double confidence = 0.999);
 
 //! @}
 

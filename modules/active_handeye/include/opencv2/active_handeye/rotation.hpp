@@ -14,7 +14,8 @@ namespace cv { namespace active_handeye {
 
 enum RotationFlags
 {
-    ROTATION_ALLOW_PARTIAL = 1 //!< when all rotation axes are parallel: answer, with the component along the axis marked as not observed
+    ROTATION_ALLOW_PARTIAL =
+        1 //!< when all rotation axes are parallel: answer, with the component along the axis marked as not observed
 };
 
 /** @brief Hand-eye translation from changes of orientation, with K and R_cam2gripper known.
@@ -41,9 +42,9 @@ orientation, all axes parallel (the axis is named), no translation, no points in
 (inverted poses), a view that contradicts the others (named).
 */
 CV_EXPORTS_W double calibrateHandEyeRotation(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base,
-                                             InputArrayOfArrays imagePoints, InputArray cameraMatrix, InputArray distCoeffs,
-                                             InputArray R_cam2gripper, OutputArray t_cam2gripper, OutputArray covariance = noArray(),
-                                             int flags = 0);
+                                             InputArrayOfArrays imagePoints, InputArray cameraMatrix,
+                                             InputArray distCoeffs, InputArray R_cam2gripper, OutputArray t_cam2gripper,
+                                             OutputArray covariance = noArray(), int flags = 0);
 
 //! @}
 

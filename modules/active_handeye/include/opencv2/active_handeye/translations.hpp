@@ -14,7 +14,7 @@ namespace cv { namespace active_handeye {
 
 enum TranslationsMethod
 {
-    TRANSLATIONS_METRIC = 0, //!< from all image points and the lengths of the translations (method.md 4b)
+    TRANSLATIONS_METRIC = 0, //!< from all image points and the lengths of the translations
     TRANSLATIONS_FOE = 1     //!< from the directions of the translations alone (paper, (14)-(18))
 };
 
@@ -55,8 +55,9 @@ orientation (the nearest are named), no points in common, no parallax, translati
 base coordinates), a view that contradicts the others (named).
 */
 CV_EXPORTS_W double calibrateHandEyeTranslations(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base,
-                                                 InputArrayOfArrays imagePoints, InputOutputArray cameraMatrix, InputArray distCoeffs,
-                                                 OutputArray R_cam2gripper, OutputArray covariance = noArray(),
+                                                 InputArrayOfArrays imagePoints, InputOutputArray cameraMatrix,
+                                                 InputArray distCoeffs, OutputArray R_cam2gripper,
+                                                 OutputArray covariance = noArray(),
                                                  TranslationsMethod method = TRANSLATIONS_METRIC, int flags = 0,
                                                  double orientationTolerance = 0.05);
 
@@ -69,7 +70,8 @@ A view joins the first group whose first view has the same orientation within or
 @param[in] orientationTolerance degrees.
 @throws cv::Exception StsBadArg, StsBadSize, StsOutOfRange for wrong input.
 */
-CV_EXPORTS_W void groupViews(InputArrayOfArrays R_gripper2base, OutputArray groupIds, double orientationTolerance = 0.05);
+CV_EXPORTS_W void groupViews(InputArrayOfArrays R_gripper2base, OutputArray groupIds,
+                             double orientationTolerance = 0.05);
 
 //! @}
 
