@@ -171,27 +171,29 @@ private:
     std::vector<Part> segments_;
 };
 
-//! Points that agree with the middles between their neighbours on both sides.
+//! Points that agree with the middle between two neighbours, for one of three pairs at least.
 std::vector<size_t> withoutOutliers(const Pixels& points, const std::vector<double>& sigmas, double breakDistance)
 {
     std::vector<size_t> kept;
     const size_t reach = 3;
     for (size_t i = 0; i < points.size(); ++i)
     {
-        std::vector<double> departures;
+        double departure = std::numeric_limits<double>::infinity();
         for (size_t k = 1; k <= reach && k <= i && i + k < points.size(); ++k)
-            departures.push_back((points[i] - 0.5 * (points[i - k] + points[i + k])).norm());
-        if (departures.size() < reach || median(departures) <= std::max(2 * breakDistance, 5 * sigmas[i]))
+            departure = std::min(departure, (points[i] - 0.5 * (points[i - k] + points[i + k])).norm());
+        const bool hasNeighbours = i >= reach && i + reach < points.size();
+        if (!hasNeighbours || departure <= std::max(2 * breakDistance, 5 * sigmas[i]))
             kept.push_back(i);
     }
     return kept;
 }
 
+//! Zero where they are not given: the points then weigh alike and nothing is tolerated for their noise.
 std::vector<double> readSigmas(InputArray sigmas, size_t count)
 {
     const Mat given = sigmas.getMat();
     if (given.empty())
-        return std::vector<double>(count, 1.);
+        return std::vector<double>(count, 0.);
     Mat values;
     given.convertTo(values, CV_64F);
     if (values.total() * values.channels() != count)
@@ -226,7 +228,7 @@ void splitStripe(InputArray stripePoints, InputArray sigmas, InputArray cameraMa
     for (size_t i : kept)
     {
         points.push_back(ideal[i]);
-        weights.push_back(1 / (deviations[i] * deviations[i]));
+        weights.push_back(deviations[i] > 0 ? 1 / (deviations[i] * deviations[i]) : 1);
     }
     StripeSplitter splitter(points, weights, breakDistance, maxGap, minPoints);
     const std::vector<Part> segments = splitter.run();
