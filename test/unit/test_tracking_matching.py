@@ -89,9 +89,11 @@ def test_merge_matches_drops_the_view_in_which_a_track_holds_two_features() -> N
 
 
 def test_merge_matches_leaves_out_a_track_ambiguous_in_most_views() -> None:
-    views = [features(random_descriptors(4), seed) for seed in range(3)]
-    matches = {(0, 1): chain((0, 0), (1, 1)), (1, 2): chain((0, 0), (1, 1)), (0, 2): chain((0, 1))}
-    assert merge_matches(views, matches, min_views=1).shape == (3, 0)
+    views = [features(random_descriptors(4), seed) for seed in range(5)]
+    twice = {(0, 1): chain((0, 0), (1, 1), (0, 1)), (1, 2): chain((0, 0), (1, 1))}
+    once = {(2, 3): chain((0, 0)), (3, 4): chain((0, 0))}
+    assert merge_matches(views, twice | once, min_views=2).shape == (5, 0)
+    assert merge_matches(views, once, min_views=2).T.tolist() == [[-1, -1, 0, 0, 0]]
 
 
 def test_merge_matches_takes_features_at_one_place_as_one() -> None:

@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -78,7 +77,6 @@ def track_points(
         raise TrackingError(
             f"R_gripper2base: need one 3x3 rotation for each of {len(greys)} images, got shape {rotations.shape}"
         )
-    cv2.setRNGSeed(0)
     groups = cah.groupViews(list(rotations), orientationTolerance=config.orientation_tolerance)
     group_ids = np.asarray(groups, np.int64).ravel()
     pairs = select_pairs(group_ids, config)
