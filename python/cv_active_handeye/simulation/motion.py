@@ -16,7 +16,7 @@ STAND_OFF = 0.55
 """Distance (m) from the camera to the aimed point at the middle of every orientation's stops."""
 
 _SHORT_MOVE = (0.15, 1.0)  # metres and degrees: moved on a straight line, longer ones joint by joint
-_GROUP = np.array([[0, 0, 90], [72, 0, -27], [-72, 0, -27], [0, 65, -36], [0, -65, 0]]) / 1000
+_GROUP = np.array([[0, 0, 94], [83, 0, -28], [-83, 0, -28], [0, 75, -38], [0, -75, 0]]) / 1000
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,8 @@ class Look:
 def default_looks() -> list[Look]:
     """Return the 14 stops: two groups of four translations, then two orientations with two stops each.
 
-    The second group is the first one turned inside out: the errors that stops of one tilt leave in the camera's axes
-    then point the other way, and the closed form's rotation error is half of that with two equal tetrahedra.
+    The second group is the first one mirrored. Over 20 seeds the closed forms' errors are a tenth (rotation) to a third
+    (focal length, t_cam2gripper) smaller than with two equal tetrahedra of stops.
     """
     return [
         Look((6, -14, 0), _GROUP),
