@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from benchmark import __main__ as runner
 from benchmark.report import Measure, Report, Table, finish
 
 TABLE = Table("Times", ("call", "time [ms]"), [["ours", 0.123456], ["theirs", None]], "one thread")
@@ -41,3 +42,24 @@ def test_a_report_comes_back_from_json(tmp_path: Path) -> None:
     loaded = Report.load(tmp_path / "speed.json")
     assert loaded.markdown() == report.markdown()
     assert loaded.missed == report.missed
+
+
+def test_write_replaces_what_stands_between_the_markers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    start, end = runner.MARKERS
+    (tmp_path / "doc").mkdir()
+    (tmp_path / "README.md").write_text(f"before\n{start}\nold\n{end}\nafter\n", encoding="utf-8")
+    monkeypatch.setattr(runner, "REPOSITORY", tmp_path)
+    measures = [Measure("a: RMSE / bound", 1.0, 1.1), Measure("b: RMSE / bound", 1.05, 1.1)]
+    monkeypatch.setattr(runner, "HEADLINES", (runner.Headline("speed", "*RMSE / bound", "accuracy"),))
+    runner.write({"speed": Report("Speed", "one run", [TABLE], measures)})
+    text = (tmp_path / "README.md").read_text(encoding="utf-8")
+    assert text.startswith(f"before\n{start}\n| measured")
+    assert text.endswith(f"{end}\nafter\n")
+    assert [cell.strip() for cell in text.splitlines()[4].split("|")[1:4]] == ["accuracy", "1.050", "<= 1.100"]
+    assert "old" not in text
+    assert "## Speed" in (tmp_path / "doc/accuracy.md").read_text(encoding="utf-8")
+
+
+def test_a_headline_without_its_measure_is_an_error() -> None:
+    with pytest.raises(KeyError, match="has no measure 'gone'"):
+        runner.Headline("speed", "gone", "accuracy").row(Report("Speed", "one run"))
