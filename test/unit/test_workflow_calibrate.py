@@ -119,6 +119,21 @@ def test_missing_views_are_noted_and_the_rest_is_used(tmp_path: Path) -> None:
     assert np.array_equal(evidence.image_points, truth.imagePoints)
 
 
+def test_poses_that_do_not_fit_the_images_are_noted(tmp_path: Path) -> None:
+    truth = exact_recording()
+    reporter = Notes()
+    dataset = Dataset.create(tmp_path / "set", camera=CameraInfo(width=640, height=480))
+    shift = np.random.default_rng(2).normal(0, 0.002, (14, 3))
+    for R, t in zip(truth.R_gripper2base, truth.t_gripper2base + shift, strict=True):
+        dataset.add_view(R, t)
+    dataset.set_image_points(truth.imagePoints)
+    calibrate(dataset, known_distortion(camera_matrix=truth.cameraMatrix), reporter)
+    assert any("are more than image noise" in note for note in reporter.notes)
+    exact = Notes()
+    calibrate(exact_dataset(tmp_path / "exact"), known_distortion(), exact)
+    assert not any("image noise" in note for note in exact.notes)
+
+
 def test_options_refuse_a_known_camera_with_square_pixels() -> None:
     with pytest.raises(ValueError, match="square_pixels: needs an unknown camera matrix"):
         known_distortion(square_pixels=True, camera_matrix=np.eye(3))

@@ -16,7 +16,7 @@ from cv_active_handeye.config import CalibrationOptions
 from cv_active_handeye.dataset import CameraInfo, Dataset, LaserInfo
 from cv_active_handeye.report.errors import angle_between_deg
 from cv_active_handeye.workflow import Silent, calibrate, calibrate_with_evidence
-from cv_active_handeye.workflow.calibrate import find_stripes
+from cv_active_handeye.workflow.evidence import find_stripes
 
 SIGMA = 1.5
 

@@ -6,8 +6,9 @@
 """
 
 from .boards import BoardSpec
-from .calibrate import Evidence, StripeSegment, calibrate, calibrate_with_evidence
+from .calibrate import calibrate, calibrate_with_evidence
 from .compare import Comparison, compare
+from .evidence import Evidence, StripeSegment
 from .reporter import InsufficientDataError, Reporter, Silent
 
 __all__ = [

@@ -7,7 +7,6 @@ Everything that is estimated comes from the C++ functions named in each step; th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -25,27 +24,10 @@ from ..calibration import (
 from ..config import CalibrationOptions
 from ..dataset import Dataset
 from ..files import FloatArray
-from ..tracking import TrackingError, track_points
-from .reporter import InsufficientDataError, Reporter, Silent
+from .evidence import Evidence, StripeSegment, find_points, find_stripes, open_recording
+from .reporter import Reporter, Silent
 
-UNSURE = -1
-
-
-@dataclass(frozen=True)
-class StripeSegment:
-    """A straight piece of a stripe: `points` (M, 2) px in image `view`; equal `surface` = same plane of the scene."""
-
-    view: int
-    points: FloatArray
-    surface: int = UNSURE
-
-
-@dataclass(frozen=True)
-class Evidence:
-    """What was found in the images: `image_points` (V, N, 2) px, NaN = not seen, and the stripe segments."""
-
-    image_points: FloatArray
-    segments: tuple[StripeSegment, ...]
+NOISE_PX = 0.5
 
 
 class _Camera(NamedTuple):
@@ -99,61 +81,8 @@ def calibrate_with_evidence(
     segments = _associate(dataset, segments, points, camera, position, reporter)
     plane = _calibrate_light_plane(dataset, segments, camera, options, reporter)
     result = _assemble(dataset, points, segments, options, camera, position, plane)
+    _judge_residuals(result, reporter)
     return result, Evidence(points, tuple(segments))
-
-
-def open_recording(dataset: Dataset | str | Path, reporter: Reporter) -> Dataset:
-    """Opens the data set and passes on what it lacks."""
-    if not isinstance(dataset, Dataset):
-        dataset = Dataset.open(dataset)
-    for problem in dataset.problems():
-        reporter.note(f"data set: {problem}")
-    return dataset
-
-
-def find_points(dataset: Dataset, options: CalibrationOptions, reporter: Reporter) -> FloatArray:
-    """The data set's own image points where it has some, else tracks of its laser-off images; (V, N, 2), NaN."""
-    stored = None if options.track_images else dataset.image_points()
-    if stored is not None:
-        reporter.step(f"reading {stored.shape[1]} image points")(1, 1)
-        return stored
-    found = [(view.index, dataset.image(view.index)) for view in dataset.views]
-    images = {index: image for index, image in found if image is not None}
-    if len(images) < 2:
-        text = f"{dataset.folder}: tracking needs two views with an image taken with the laser off, has {len(images)}"
-        raise InsufficientDataError(text)
-    views = list(images)
-    progress = reporter.step(f"tracking points in {len(views)} images")
-    try:
-        tracks = track_points(list(images.values()), dataset.R_gripper2base[views], options.tracking, progress)
-    except TrackingError as error:
-        raise InsufficientDataError(f"{dataset.folder}: {error}") from error
-    for view in tracks.empty_views:
-        reporter.note(f"view {views[view]} shares no points with the others")
-    points = np.full((len(dataset), tracks.points.shape[1], 2), np.nan)
-    points[views] = tracks.points
-    return points
-
-
-def find_stripes(
-    dataset: Dataset, camera_matrix: FloatArray, distortion: FloatArray | None, reporter: Reporter
-) -> list[StripeSegment]:
-    """Straight segments of the stripe in every laser image; the laser-off image of the view is the background."""
-    found = [(view.index, dataset.laser_image(view.index)) for view in dataset.views]
-    images = {index: image for index, image in found if image is not None}
-    progress = reporter.step(f"finding the stripe in {len(images)} images") if images else None
-    params = cah.StripeParams()
-    vertical = dataset.laser is not None and dataset.laser.stripe == "vertical"
-    params.orientation = int(cah.STRIPE_VERTICAL if vertical else cah.STRIPE_HORIZONTAL)
-    segments: list[StripeSegment] = []
-    for done, (index, image) in enumerate(images.items(), start=1):
-        points, sigmas = cah.detectStripe(image, background=dataset.image(index), params=params)
-        if len(points):
-            labels = cah.splitStripe(points, sigmas, camera_matrix, distortion).reshape(-1)
-            segments += [StripeSegment(index, points[labels == k]) for k in range(labels.max() + 1)]
-        if progress:
-            progress(done, len(images))
-    return segments
 
 
 def _calibrate_translations(
@@ -275,6 +204,18 @@ def _assemble(
         observations=int(seen.sum()),
         stripe_segments=len(segments),
     )
+
+
+def _judge_residuals(result: Calibration, reporter: Reporter) -> None:
+    """Residuals far above what a point's position is good for mean that the model is wrong somewhere; say so."""
+    steps = {"translations": result.rms.translations_px, "turns": result.rms.rotation_px}
+    large = [f"{name} {rms:.2f} px" for name, rms in steps.items() if rms > NOISE_PX]
+    if large:
+        reporter.note(
+            f"residuals of the {' and '.join(large)} are more than image noise: errors of the robot's poses, lens "
+            "distortion or a camera matrix that the motion determines badly weigh more, and the sigmas are too small. "
+            "A known camera asks less of the data."
+        )
 
 
 def _block_diagonal(blocks: list[FloatArray]) -> FloatArray:

@@ -21,7 +21,8 @@ from ..config import CalibrationOptions
 from ..dataset import Dataset
 from ..files import FloatArray
 from .boards import BoardSpec, find_board
-from .calibrate import calibrate_with_evidence, find_points
+from .calibrate import calibrate_with_evidence
+from .evidence import find_points
 from .reporter import InsufficientDataError, Reporter, Silent
 
 METHODS = ("TSAI", "PARK", "HORAUD", "ANDREFF", "DANIILIDIS")

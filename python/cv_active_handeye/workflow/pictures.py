@@ -15,7 +15,7 @@ from ..calibration import Calibration
 from ..dataset import Dataset
 from ..files import FloatArray
 from ..report import picture_motion, picture_stripe, picture_tracks
-from .calibrate import Evidence
+from .evidence import Evidence
 
 
 def draw_pictures(folder: Path, dataset: Dataset, calibration: Calibration, evidence: Evidence) -> tuple[Path, ...]:
