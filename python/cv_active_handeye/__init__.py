@@ -7,11 +7,12 @@ The functions here are those of the C++ module ``cv::active_handeye``, under the
     >>> import cv_active_handeye as cah
     >>> retval, foe, inlierMask, covariance = cah.estimateFOE(points1, points2)
 
-Everything after the inputs is given by keyword. Results are new arrays; vectors have shape (n, 1), as in cv2. Frames are
-named as in ``cv2.calibrateHandEye``: ``R_a2b``, ``t_a2b`` map a point of frame a into frame b. Lengths may have any unit;
-the results have the same one.
+Everything after the inputs is given by keyword. Results are new arrays; vectors have shape (n, 1), as in cv2. Frames
+are named as in ``cv2.calibrateHandEye``: ``R_a2b``, ``t_a2b`` map a point of frame a into frame b. Lengths may have any
+unit; the results have the same one.
 
-Data sets, tracking, the simulated cell and the workflow live in the subpackages and need the extras ``workflow`` and ``sim``.
+Data sets, tracking, the simulated cell and the workflow live in the subpackages and need the extras ``workflow`` and
+``sim``.
 """
 
 from ._core import (

@@ -36,7 +36,8 @@ std::vector<Mats> readArguments()
         {
             const int32_t rows = readCount(), cols = readCount();
             mat = Mat(rows, cols, CV_64F);
-            std::cin.read(reinterpret_cast<char*>(mat.data), static_cast<std::streamsize>(mat.total() * sizeof(double)));
+            std::cin.read(reinterpret_cast<char*>(mat.data),
+                          static_cast<std::streamsize>(mat.total() * sizeof(double)));
         }
     }
     return arguments;
@@ -58,7 +59,8 @@ void writeAnswer(const Mats& outputs)
         writeCount(1);
         writeCount(doubles.rows);
         writeCount(doubles.cols);
-        std::cout.write(reinterpret_cast<const char*>(doubles.data), static_cast<std::streamsize>(doubles.total() * sizeof(double)));
+        std::cout.write(reinterpret_cast<const char*>(doubles.data),
+                        static_cast<std::streamsize>(doubles.total() * sizeof(double)));
     }
 }
 
