@@ -24,7 +24,7 @@ from .features import Array, Array32
 from .matching import Indices
 
 UPSAMPLING = 4
-GAIN, OFFSET = 6, 7
+GAIN = 6
 CHUNK = 4096
 NO_MAP = np.empty(0, np.float32)  # cv2.remap: x and y are both in the first map
 MIN_GAIN = 0.05
@@ -39,8 +39,15 @@ def upsample(grey: Array32) -> Array32:
     return np.asarray(cv2.resize(grey, size, interpolation=cv2.INTER_LANCZOS4), np.float32)
 
 
+def original_shape(upsampled: Array32) -> tuple[int, int]:
+    """Height and width of the image before `upsample`."""
+    return upsampled.shape[0] // UPSAMPLING, upsampled.shape[1] // UPSAMPLING
+
+
 def sample(upsampled: Array32, points: Array) -> Array32:
     """Grey values (n, k) at points (n, k, 2), pixels of the original image. Outside, the border is repeated."""
+    if len(points) == 0:
+        return np.empty(points.shape[:2], np.float32)
     at = ((points + 0.5) * UPSAMPLING - 0.5).astype(np.float32)
     chunks = [
         cv2.remap(upsampled, np.ascontiguousarray(part), NO_MAP, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
@@ -66,20 +73,17 @@ def patch_weights(radius: int) -> Array:
 class Templates:
     """Reference patches of n tracks, k samples each.
 
-    values (n, k); inverse (n, 8, k): weighted left inverse of the linear model; design (n, k, 8): its matrix;
-    noise_gain (n, 2, 2): covariance of D0 for unit white noise of the samples.
+    inverse (n, 8, k): weighted left inverse of the linear model; normal (n, 8, 8): its normal matrix;
+    noise_gain (n, 2, 2): covariance of D0 for unit white noise of the samples; weights (k,).
     """
 
-    values: Array32
     inverse: Array32
-    design: Array32
+    normal: Array
     noise_gain: Array
     weights: Array
 
     def __getitem__(self, index: Indices) -> Templates:
-        return Templates(
-            self.values[index], self.inverse[index], self.design[index], self.noise_gain[index], self.weights
-        )
+        return Templates(self.inverse[index], self.normal[index], self.noise_gain[index], self.weights)
 
 
 def make_templates(upsampled: Array32, points: Array, radius: int) -> Templates:
@@ -101,7 +105,7 @@ def make_templates(upsampled: Array32, points: Array, radius: int) -> Templates:
     inverse = np.einsum("nij,nkj->nik", solve, weighted, optimize=True)
     shift = inverse[:, :2]
     noise_gain = np.einsum("nik,njk->nij", shift, shift, optimize=True)
-    return Templates(values, inverse.astype(np.float32), design.astype(np.float32), noise_gain, weights)
+    return Templates(inverse.astype(np.float32), normal, noise_gain, weights)
 
 
 @dataclass
@@ -140,7 +144,7 @@ class Alignment:
 
 def align(templates: Templates, upsampled: Array32, start: Warps, iterations: int) -> Alignment:
     """Align the templates (n) to an image, beginning at the warps `start`."""
-    radius = math.isqrt(templates.values.shape[1]) // 2
+    radius = math.isqrt(len(templates.weights)) // 2
     offsets = patch_offsets(radius)
     warps = Warps(start.position.copy(), start.shape.copy(), start.perspective)
     last_step = np.full(len(warps.position), np.inf)
@@ -167,10 +171,10 @@ def _project(inverse: Array32, values: Array32) -> Array:
 
 
 def _fit_quality(templates: Templates, values: Array32) -> tuple[Array, Array]:
-    q = _project(templates.inverse, values)
-    model = np.matmul(templates.design, q[:, :, None].astype(np.float32))[:, :, 0]
-    error = ((values - model) ** 2) @ templates.weights
-    energy = ((values - (values @ templates.weights)[:, None]) ** 2) @ templates.weights
+    """Residual and correlation; the residual's square is what the projection onto the model leaves of the values'."""
+    centred = values - (values @ templates.weights.astype(np.float32))[:, None]
+    q = _project(templates.inverse, centred)
+    energy = np.asarray(centred**2 @ templates.weights, np.float64)
+    error = np.maximum(energy - np.einsum("ni,nij,nj->n", q, templates.normal, q, optimize=True), 0.0)
     correlation = np.sqrt(np.clip(1.0 - error / np.maximum(energy, 1e-12), 0.0, 1.0)) * np.sign(q[:, GAIN])
-    residual = np.sqrt(error) / np.maximum(np.abs(q[:, GAIN]), MIN_GAIN)
-    return np.asarray(residual), np.asarray(correlation)
+    return np.sqrt(error) / np.maximum(np.abs(q[:, GAIN]), MIN_GAIN), np.asarray(correlation)

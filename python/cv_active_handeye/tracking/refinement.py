@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .config import TrackingConfig
 from .features import Array, Array32
 from .matching import Indices
-from .patches import UPSAMPLING, Alignment, Warps, align, make_templates, upsample
+from .patches import Alignment, Templates, Warps, align, make_templates, original_shape, upsample
 
 MAX_LAST_STEP_PX = 0.02
 MAX_SHAPE_CHANGE = 0.4
@@ -49,6 +49,16 @@ class _Found:
     residuals: Array
 
 
+@dataclass(frozen=True)
+class _Patches:
+    """The reference patches in one view: their tracks (n,), centres (n, 2), templates."""
+
+    view: int
+    tracks: Indices
+    centres: Array
+    templates: Templates
+
+
 def refine_tracks(
     images: Sequence[Array32], points: Array, config: TrackingConfig, progress: Callable[[int], None]
 ) -> Observations:
@@ -61,15 +71,24 @@ def refine_tracks(
     warps = view_warps(points)
     reference = choose_references(points, warps)
     found = _Found(np.full_like(points, np.nan), *(np.full(points.shape[:2], np.nan) for _ in range(2)))
-    enlarged = [upsample(image) for image in images]
+    patches = [_cut_patches(view, image, points, reference, config) for view, image in enumerate(images)]
+    for part in patches:
+        found.points[part.view, part.tracks] = part.centres
     for view, image in enumerate(images):
-        tracks = _distinct(np.flatnonzero(reference == view), points, view)
-        centres = np.rint(points[view, tracks])
-        inside = _inside(centres, image.shape, config.patch_radius + 1)
-        if inside.any():
-            _refine_from(view, tracks[inside], centres[inside], enlarged, points, warps, config, found)
+        enlarged = upsample(image)
+        for part in patches:
+            if (part.view, view) in warps:
+                _refine(part, view, enlarged, points, warps[part.view, view], config, found)
         progress(view)
     return _with_sigmas(found, reference, config)
+
+
+def _cut_patches(view: int, image: Array32, points: Array, reference: Indices, config: TrackingConfig) -> _Patches:
+    tracks = _distinct(np.flatnonzero(reference == view), points, view)
+    centres = np.rint(points[view, tracks])
+    inside = _inside(centres, image.shape, config.patch_radius + 1)
+    templates = make_templates(upsample(image), centres[inside], config.patch_radius)
+    return _Patches(view, tracks[inside], centres[inside], templates)
 
 
 def _with_sigmas(found: _Found, reference: Indices, config: TrackingConfig) -> Observations:
@@ -101,7 +120,10 @@ def view_warps(points: Array) -> dict[tuple[int, int], Array]:
             both = seen[a] & seen[b]
             if np.count_nonzero(both) < 8:
                 continue
-            homography, _ = cv2.findHomography(points[a, both], points[b, both], cv2.USAC_MAGSAC, 10.0)
+            try:
+                homography, _ = cv2.findHomography(points[a, both], points[b, both], cv2.USAC_MAGSAC, 10.0)
+            except cv2.error:  # as in rejection.epipolar_geometry
+                homography = None
             if homography is not None:
                 warps[a, b], warps[b, a] = homography, np.linalg.inv(homography)
     return warps
@@ -128,34 +150,29 @@ def _distinct(tracks: Indices, points: Array, view: int) -> Indices:
     return np.sort(longest_first[first])
 
 
-def _refine_from(
+def _refine(
+    part: _Patches,
     view: int,
-    tracks: Indices,
-    centres: Array,
-    enlarged: Sequence[Array32],
+    enlarged: Array32,
     points: Array,
-    warps: dict[tuple[int, int], Array],
+    homography: Array,
     config: TrackingConfig,
     found: _Found,
 ) -> None:
-    """Refine the observations of `tracks`, whose reference patches lie at `centres` of `view`; writes into `found`."""
-    templates = make_templates(enlarged[view], centres, config.patch_radius)
-    found.points[view, tracks] = centres
-    for other in range(len(points)):
-        index = np.flatnonzero(np.isfinite(points[other, tracks, 0]))
-        if other == view or (view, other) not in warps or len(index) == 0:
-            continue
-        shape, perspective = local_warps(warps[view, other], centres[index])
-        rounding = centres[index] - points[view, tracks[index]]
-        position = points[other, tracks[index]] + np.einsum("nij,nj->ni", shape, rounding)
-        start = Warps(position, shape, perspective)
-        aligned = align(templates[index], enlarged[other], start, config.max_iterations)
-        good = _acceptable(aligned, start, config)
-        good &= _inside(aligned.warps.position, _original_shape(enlarged[other]), 1)
-        kept = tracks[index[good]]
-        found.points[other, kept] = aligned.warps.position[good]
-        found.residuals[other, kept] = aligned.residual[good]
-        found.white_sigmas[other, kept] = _white_sigma(aligned, templates.noise_gain[index])[good]
+    """Align patches to another view; `homography` is a first guess of the warp. Writes into `found`."""
+    index = np.flatnonzero(np.isfinite(points[view, part.tracks, 0]))
+    tracks, centres = part.tracks[index], part.centres[index]
+    shape, perspective = local_warps(homography, centres)
+    rounding = centres - points[part.view, tracks]
+    position = points[view, tracks] + np.einsum("nij,nj->ni", shape, rounding)
+    start = Warps(position, shape, perspective)
+    templates = part.templates[index]
+    aligned = align(templates, enlarged, start, config.max_iterations)
+    good = _acceptable(aligned, start, config)
+    good &= _inside(aligned.warps.position, original_shape(enlarged), 1)
+    found.points[view, tracks[good]] = aligned.warps.position[good]
+    found.residuals[view, tracks[good]] = aligned.residual[good]
+    found.white_sigmas[view, tracks[good]] = _white_sigma(aligned, templates.noise_gain)[good]
 
 
 def _white_sigma(aligned: Alignment, noise_gain: Array) -> Array:
@@ -184,10 +201,6 @@ def local_warps(homography: Array, points: Array) -> tuple[Array, Array]:
     position, depth = mapped[:, :2] / mapped[:, 2:], mapped[:, 2, None]
     numerator = homography[None, :2, :2] - position[:, :, None] * homography[None, 2:, :2]
     return np.asarray(numerator / depth[:, :, None]), np.asarray(homography[2, :2] / depth)
-
-
-def _original_shape(enlarged: Array32) -> tuple[int, int]:
-    return enlarged.shape[0] // UPSAMPLING, enlarged.shape[1] // UPSAMPLING
 
 
 def _inside(points: Array, shape: tuple[int, ...], margin: float) -> NDArray[np.bool_]:
