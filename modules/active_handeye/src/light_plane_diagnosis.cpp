@@ -32,11 +32,11 @@ std::string axisInBase(const Vector3d& axis, int group, const GroupOrientations&
 //! How the lines of a surface move [px] and which way the camera went.
 struct Movement
 {
-    double pixels = 0;         //!< largest distance of a line to the first one
-    double largest = 0;        //!< longest displacement of the camera
-    double outOfPlane = 0;     //!< its largest part across the first interpretation plane
-    Eigen::Vector2d across;    //!< singular values of the displacements across r, smaller one first
-    Vector3d missing;          //!< direction across r with the least displacement
+    double pixels = 0;      //!< largest distance of a line to the first one
+    double largest = 0;     //!< longest displacement of the camera
+    double outOfPlane = 0;  //!< its largest part across the first interpretation plane
+    Eigen::Vector2d across; //!< singular values of the displacements across r, smaller one first
+    Vector3d missing;       //!< direction across r with the least displacement
 
     Movement(const StripeSurface& surface, const Vector3d& r) : across(0, 0), missing(r.unitOrthogonal())
     {
@@ -91,10 +91,13 @@ std::string explainWeakness(const StripeSurfaces& surfaces, const std::vector<Va
     const int group = surfaces[0].group;
     if (still && along)
         return "t_gripper2base: the camera was moved along the stripe only; needed translations across it, in two directions, e.g. "
-               "along " + inBase(optical, group, cam2base) + " and along " + axisInBase(interpretationNormal(surfaces[0].views[0]), group, cam2base);
+               "along " +
+               inBase(optical, group, cam2base) + " and along " +
+               axisInBase(interpretationNormal(surfaces[0].views[0]), group, cam2base);
     if (still)
         return "stripePoints: the stripes stand still in the image while the camera moves, so it moved along the surfaces only, or they "
-               "are parallel to the light plane; needed translations towards the surfaces, e.g. along " + inBase(optical, group, cam2base);
+               "are parallel to the light plane; needed translations towards the surfaces, e.g. along " +
+               inBase(optical, group, cam2base);
     if (oneAcross)
         return "t_gripper2base: the translations have one direction only across the stripe; needed a second one, e.g. along " +
                axisInBase(Movement(surfaces[0], r).missing, group, cam2base);
@@ -102,8 +105,8 @@ std::string explainWeakness(const StripeSurfaces& surfaces, const std::vector<Va
         return "stripePoints: the surfaces are nearly parallel to the light plane; needed a surface at a larger angle to it";
     if (shareOneDirection(directions))
         return "stripePoints: all groups share the stripe direction " + axisInBase(r, group, cam2base) +
-               "; needed a second one: turn the gripper about an axis across the stripe, e.g. about " + axisInBase(optical.cross(r), group, cam2base) +
-               ", or use a surface that is tilted about it";
+               "; needed a second one: turn the gripper about an axis across the stripe, e.g. about " +
+               axisInBase(optical.cross(r), group, cam2base) + ", or use a surface that is tilted about it";
     return "stripePoints: the motion of the stripes is too small for the light plane; needed larger translations or more views";
 }
 

@@ -48,8 +48,7 @@ LightPlaneProblem::LightPlaneProblem(const Matrix3d& K, const AlignedVector<Vect
                                      const LightPlane& start, const StripeSurfaces& surfaces)
     : lineOfPlane_(K.inverse().transpose()), knownPoints_(knownPoints), cauchyScale_(cauchyScale), light_(start),
       surfaces_(surfaces)
-{
-}
+{}
 
 double LightPlaneProblem::robustCost(double residual, double sigma) const
 {

@@ -37,10 +37,12 @@ struct StripeSurface
 typedef AlignedVector<StripeSurface> StripeSurfaces;
 
 //! m ~ (e0 - w.c) n - d w: normal of the plane through the camera's centre and the stripe.
-Eigen::Vector3d interpretationPlane(const LightPlane& light, const Eigen::Vector4d& surface, const Eigen::Vector3d& displacement);
+Eigen::Vector3d interpretationPlane(const LightPlane& light, const Eigen::Vector4d& surface,
+                                    const Eigen::Vector3d& displacement);
 
 //! RMS distance [px] of the two ends of the line to the line predicted.
-double lineError(const Eigen::Matrix3d& K, const LightPlane& light, const Eigen::Vector4d& surface, const StripeView& view);
+double lineError(const Eigen::Matrix3d& K, const LightPlane& light, const Eigen::Vector4d& surface,
+                 const StripeView& view);
 
 /** Maximum likelihood over n (2), d (1) and the plane of each surface (3): distance of the ends of each line to the line
 predicted, in units of its sigma. Known points of the light plane add n.X - d in units of 1/1000 of their depth.

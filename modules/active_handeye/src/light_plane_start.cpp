@@ -13,7 +13,8 @@ using Eigen::Vector4d;
 
 typedef Eigen::SelfAdjointEigenSolver<Matrix3d> Eigen3;
 
-double offsetFromMotion(const Vector3d& n, const Vector3d& r, const StripeSurface& surface, const std::vector<int>& views)
+double offsetFromMotion(const Vector3d& n, const Vector3d& r, const StripeSurface& surface,
+                        const std::vector<int>& views)
 {
     const Vector3d along = (r - n * n.dot(r)).normalized(), q = along.cross(n);
     Vector4d h = Vector4d(1, 0, 0, 0); // (e0 - y_n, w_n, w_q, y_q), y = d w
@@ -128,8 +129,8 @@ namespace {
 class StartSearch
 {
 public:
-    StartSearch(const Matrix3d& K, const std::vector<VanishingDirection>& directions, const AlignedVector<Vector3d>& knownPoints,
-                StripeSurfaces& surfaces)
+    StartSearch(const Matrix3d& K, const std::vector<VanishingDirection>& directions,
+                const AlignedVector<Vector3d>& knownPoints, StripeSurfaces& surfaces)
         : K_(K), directions_(directions), knownPoints_(knownPoints), surfaces_(surfaces), meanRay_(Vector3d::Zero()),
           bestCost_(std::numeric_limits<double>::infinity())
     {
@@ -143,7 +144,8 @@ public:
     {
         const NormalCandidates candidates = findNormals(directions_, knownPoints_);
         const AlignedVector<Vector3d>& normals = candidates.normals;
-        for (size_t i = 0; i < normals.size() && (candidates.isFan || !isClean()); ++i) // in a fan, wrong normals may look clean
+        for (size_t i = 0; i < normals.size() && (candidates.isFan || !isClean());
+             ++i) // in a fan, wrong normals may look clean
             tryNormal(normals[i], false);
         for (size_t i = 0; i < normals.size() && i < 20 && !isClean(); ++i)
             tryNormal(normals[i], true);
@@ -214,8 +216,8 @@ private:
 
 } // namespace
 
-bool startLightPlane(const Matrix3d& K, const std::vector<VanishingDirection>& directions, const AlignedVector<Vector3d>& knownPoints,
-                     StripeSurfaces& surfaces, LightPlane& light)
+bool startLightPlane(const Matrix3d& K, const std::vector<VanishingDirection>& directions,
+                     const AlignedVector<Vector3d>& knownPoints, StripeSurfaces& surfaces, LightPlane& light)
 {
     return StartSearch(K, directions, knownPoints, surfaces).run(light);
 }

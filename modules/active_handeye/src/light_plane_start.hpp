@@ -11,7 +11,8 @@ namespace cv { namespace active_handeye {
 
 //! d from how the lines of one surface move with the camera (method of the null vector, see the header's steps).
 //! NaN when it is not determined. `views` are indices into surface.views, at least three.
-double offsetFromMotion(const Eigen::Vector3d& n, const Eigen::Vector3d& r, const StripeSurface& surface, const std::vector<int>& views);
+double offsetFromMotion(const Eigen::Vector3d& n, const Eigen::Vector3d& r, const StripeSurface& surface,
+                        const std::vector<int>& views);
 
 //! The plane of the surface that agrees best with its lines for this light plane; returns the sum of squared line errors [px],
 //! each at most startTolerance.

@@ -10,21 +10,23 @@
 namespace cv { namespace active_handeye {
 
 StripeParams::StripeParams()
-    : orientation(STRIPE_HORIZONTAL), sigma(1.5), minSnr(4.5), minContrast(0.02), maxSecondPeak(0.6), saturation(0), minRun(5)
-{
-}
+    : orientation(STRIPE_HORIZONTAL), sigma(1.5), minSnr(4.5), minContrast(0.02), maxSecondPeak(0.6), saturation(0),
+      minRun(5)
+{}
 
 static void requireRange(double value, double low, double high, const char* name)
 {
     if (!(value >= low && value <= high)) // also refuses NaN
-        CV_Error(Error::StsOutOfRange, cv::format("params.%s: needed a value from %g to %g, given %g", name, low, high, value));
+        CV_Error(Error::StsOutOfRange,
+                 cv::format("params.%s: needed a value from %g to %g, given %g", name, low, high, value));
 }
 
 static void checkParams(const StripeParams& params)
 {
     if (params.orientation != STRIPE_HORIZONTAL && params.orientation != STRIPE_VERTICAL)
-        CV_Error(Error::StsBadArg, cv::format("params.orientation: needed STRIPE_HORIZONTAL (0) or STRIPE_VERTICAL (1), given %d",
-                                              params.orientation));
+        CV_Error(Error::StsBadArg,
+                 cv::format("params.orientation: needed STRIPE_HORIZONTAL (0) or STRIPE_VERTICAL (1), given %d",
+                            params.orientation));
     requireRange(params.sigma, 0.5, 20, "sigma");
     requireRange(params.minSnr, 1, 1000, "minSnr");
     requireRange(params.minContrast, 0, 1, "minContrast");
@@ -47,8 +49,7 @@ class StripeDetector
 public:
     StripeDetector(const StripeFrame& frame, const StripeParams& params)
         : frame_(frame), params_(params), peaks_(findStripePeaks(frame, params.sigma)), width_(params.sigma)
-    {
-    }
+    {}
 
     std::vector<StripePoint> run()
     {
@@ -71,7 +72,8 @@ private:
         const double significant = params_.minSnr * peaks_.heightNoise;
         const double least = std::max(significant, params_.minContrast * frame_.saturation());
         for (int x = 0; x < frame_.cols(); ++x)
-            if (peaks_.height[x] >= least && peaks_.second[x] <= std::max(significant, params_.maxSecondPeak * peaks_.height[x]))
+            if (peaks_.height[x] >= least &&
+                peaks_.second[x] <= std::max(significant, params_.maxSecondPeak * peaks_.height[x]))
                 clear_.push_back(x);
     }
 
@@ -151,7 +153,8 @@ private:
 
 } // namespace
 
-void detectStripe(InputArray image, OutputArray stripePoints, OutputArray sigmas, InputArray background, const StripeParams& params)
+void detectStripe(InputArray image, OutputArray stripePoints, OutputArray sigmas, InputArray background,
+                  const StripeParams& params)
 {
     CV_TRACE_FUNCTION();
     checkParams(params);

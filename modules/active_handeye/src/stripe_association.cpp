@@ -31,16 +31,17 @@ struct ScenePlane
 {
     Vector4d plane; //!< (w, e0), w.X = e0 in the base frame, |w| = 1
     std::vector<int> lines;
-    double planarity; //!< RMS extent of the lines' ends across their longest direction, relative to that; 0 = they are all on one line
+    double
+        planarity; //!< RMS extent of the lines' ends across their longest direction, relative to that; 0 = they are all on one line
 };
 
 class SurfaceFinder
 {
 public:
-    SurfaceFinder(const SceneLines& lines, const LightPlane& light, const Matrix3d& K, const AlignedVector<Pose>& cam2base, double tolerance)
+    SurfaceFinder(const SceneLines& lines, const LightPlane& light, const Matrix3d& K,
+                  const AlignedVector<Pose>& cam2base, double tolerance)
         : lines_(lines), light_(light), K_(K), cam2base_(cam2base), tolerance_(tolerance)
-    {
-    }
+    {}
 
     std::vector<int> run(int groups)
     {
@@ -106,7 +107,8 @@ private:
     ScenePlane largest(const std::vector<int>& candidates) const
     {
         ScenePlane best;
-        const size_t pairs = candidates.size() * (candidates.size() - 1) / 2, mostPairs = 20000, stride = 1 + pairs / mostPairs;
+        const size_t pairs = candidates.size() * (candidates.size() - 1) / 2, mostPairs = 20000,
+                     stride = 1 + pairs / mostPairs;
         size_t pair = 0;
         const double leastPlanarity = 0.01;
         for (size_t i = 0; i < candidates.size(); ++i)
@@ -115,10 +117,12 @@ private:
                 if (pair++ % stride || lines_[candidates[i]].view.view == lines_[candidates[j]].view.view)
                     continue;
                 ScenePlane seed = fit({candidates[i], candidates[j]});
-                if (seed.planarity < leastPlanarity || error(seed.plane, candidates[i]) > tolerance_ || error(seed.plane, candidates[j]) > tolerance_)
+                if (seed.planarity < leastPlanarity || error(seed.plane, candidates[i]) > tolerance_ ||
+                    error(seed.plane, candidates[j]) > tolerance_)
                     continue;
                 seed.lines = linesOn(seed.plane, candidates);
-                if (views(seed.lines) > views(best.lines) || (views(seed.lines) == views(best.lines) && seed.lines.size() > best.lines.size()))
+                if (views(seed.lines) > views(best.lines) ||
+                    (views(seed.lines) == views(best.lines) && seed.lines.size() > best.lines.size()))
                     best = seed;
             }
         for (int pass = 0; pass < 3 && !best.lines.empty(); ++pass)
@@ -143,8 +147,12 @@ private:
             if (views(surface.lines) < fewestViews)
                 break;
             found.push_back(surface);
-            open.erase(std::remove_if(open.begin(), open.end(), [&](int line)
-                                      { return std::find(surface.lines.begin(), surface.lines.end(), line) != surface.lines.end(); }),
+            open.erase(std::remove_if(open.begin(), open.end(),
+                                      [&](int line)
+                                      {
+                                          return std::find(surface.lines.begin(), surface.lines.end(), line) !=
+                                                 surface.lines.end();
+                                      }),
                        open.end());
         }
         dropAmbiguousLines(found);
@@ -160,13 +168,17 @@ private:
             const auto fitsAnother = [&](int line)
             {
                 for (const ScenePlane& other : surfaces)
-                    if (&other != &surface && error(other.plane, line) <= std::min(tolerance_, error(surface.plane, line) + clearly))
+                    if (&other != &surface &&
+                        error(other.plane, line) <= std::min(tolerance_, error(surface.plane, line) + clearly))
                         return true;
                 return false;
             };
-            surface.lines.erase(std::remove_if(surface.lines.begin(), surface.lines.end(), fitsAnother), surface.lines.end());
+            surface.lines.erase(std::remove_if(surface.lines.begin(), surface.lines.end(), fitsAnother),
+                                surface.lines.end());
         }
-        surfaces.erase(std::remove_if(surfaces.begin(), surfaces.end(), [&](const ScenePlane& s) { return views(s.lines) < 3; }), surfaces.end());
+        surfaces.erase(std::remove_if(surfaces.begin(), surfaces.end(),
+                                      [&](const ScenePlane& s) { return views(s.lines) < 3; }),
+                       surfaces.end());
     }
 
     bool fits(const ScenePlane& surface, const ScenePlane& other) const
@@ -201,7 +213,8 @@ private:
     const double tolerance_;
 };
 
-SceneLine toScene(const StripeLine& line, int segment, int view, int group, const LightPlane& light, const Matrix3d& K, const Pose& cam2base)
+SceneLine toScene(const StripeLine& line, int segment, int view, int group, const LightPlane& light, const Matrix3d& K,
+                  const Pose& cam2base)
 {
     SceneLine scene;
     scene.view.segment = segment;
@@ -223,9 +236,10 @@ SceneLine toScene(const StripeLine& line, int segment, int view, int group, cons
 
 } // namespace
 
-void associateStripes(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base, InputArrayOfArrays stripePoints,
-                      InputArray stripeViews, InputArrayOfArrays imagePoints, InputArray cameraMatrix, InputArray distCoeffs,
-                      InputArray R_cam2gripper, InputArray t_cam2gripper, OutputArray surfaceIds, OutputArray lightPlane, double tolerance,
+void associateStripes(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base,
+                      InputArrayOfArrays stripePoints, InputArray stripeViews, InputArrayOfArrays imagePoints,
+                      InputArray cameraMatrix, InputArray distCoeffs, InputArray R_cam2gripper,
+                      InputArray t_cam2gripper, OutputArray surfaceIds, OutputArray lightPlane, double tolerance,
                       double searchRadius)
 {
     CV_TRACE_FUNCTION();
@@ -234,7 +248,8 @@ void associateStripes(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gr
     const std::vector<int> views = readStripeViews(stripeViews, segments.size(), gripper2base.size());
     const std::vector<Pixels> tracks = readImagePoints(imagePoints, gripper2base.size());
     const Camera camera = readCamera(cameraMatrix, distCoeffs);
-    const Pose cam2gripper = {readRotation(R_cam2gripper, "R_cam2gripper"), readVector3(t_cam2gripper, "t_cam2gripper")};
+    const Pose cam2gripper = {readRotation(R_cam2gripper, "R_cam2gripper"),
+                              readVector3(t_cam2gripper, "t_cam2gripper")};
     readPositive(tolerance, "tolerance");
     readPositive(searchRadius, "searchRadius");
 
@@ -244,7 +259,8 @@ void associateStripes(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gr
     const AlignedVector<Vector3d> scenePoints = triangulate(tracks, camera, cam2base);
     const double focal = std::sqrt(camera.K(0, 0) * camera.K(1, 1));
     const LightPlane light =
-        lightPlaneFromDepths(depthsNearStripes(segments, views, tracks, scenePoints, camera, cam2base, searchRadius), focal);
+        lightPlaneFromDepths(depthsNearStripes(segments, views, tracks, scenePoints, camera, cam2base, searchRadius),
+                             focal);
 
     const double orientationTolerance = 0.05; // deg, the default of groupViews
     const std::vector<MotionGroup> groups = groupByOrientation(gripper2base, orientationTolerance);
@@ -254,8 +270,8 @@ void associateStripes(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gr
             groupOfView[view] = int(g);
     SceneLines lines;
     for (size_t s = 0; s < segments.size(); ++s)
-        lines.push_back(toScene(readStripeLine(segments[s], camera, int(s)), int(s), views[s], groupOfView[views[s]], light, camera.K,
-                                cam2base[views[s]]));
+        lines.push_back(toScene(readStripeLine(segments[s], camera, int(s)), int(s), views[s], groupOfView[views[s]],
+                                light, camera.K, cam2base[views[s]]));
     const std::vector<int> ids = SurfaceFinder(lines, light, camera.K, cam2base, tolerance).run(int(groups.size()));
     Mat(int(ids.size()), 1, CV_32S, const_cast<int*>(ids.data())).copyTo(surfaceIds);
     writeMatrix((Vector4d() << light.n, light.d).finished(), lightPlane);

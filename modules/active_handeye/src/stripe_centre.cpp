@@ -9,7 +9,13 @@ namespace cv { namespace active_handeye {
 
 namespace {
 
-enum { HEIGHT, OFFSET, CENTRE, SIGMA };
+enum
+{
+    HEIGHT,
+    OFFSET,
+    CENTRE,
+    SIGMA
+};
 
 struct Normal
 {
@@ -38,7 +44,8 @@ Normal normalEquations(const StripeWindow& window, const StripeProfile& p)
         const double d = (window.top + i - p.centre) / p.sigma;
         const double albedo = window.albedo[i], g = std::exp(-0.5 * d * d), slope = p.height * g * d / p.sigma;
         const Eigen::Vector4d J = albedo * Eigen::Vector4d(g, 1, slope, slope * d);
-        const double residual = window.signal[i] - albedo * (p.height * g + p.offset), weight = pixelWeight(window, p.height * g);
+        const double residual = window.signal[i] - albedo * (p.height * g + p.offset),
+                     weight = pixelWeight(window, p.height * g);
         normal.A.noalias() += weight * J * J.transpose();
         normal.b.noalias() += weight * residual * J;
         normal.squares += weight * residual * residual;
@@ -97,9 +104,11 @@ bool fitStripeProfile(const StripeWindow& window, double pixelNoise, bool fitSig
         // noise: the residuals here, held by the noise of the image because they are few
         const double priorFreedom = 4;
         const int freedom = normal.pixels - unknowns;
-        const double variance = (normal.squares + priorFreedom * pixelNoise * pixelNoise) / (std::max(0, freedom) + priorFreedom);
+        const double variance =
+            (normal.squares + priorFreedom * pixelNoise * pixelNoise) / (std::max(0, freedom) + priorFreedom);
         profile.centreSigma = std::sqrt(variance * ldlt.solve(Eigen::VectorXd::Unit(unknowns, CENTRE))(CENTRE));
-        return isOnePeak(normal, unknowns, pixelNoise, profile) && std::abs(profile.centre - start) <= 0.5 * window.size();
+        return isOnePeak(normal, unknowns, pixelNoise, profile) &&
+               std::abs(profile.centre - start) <= 0.5 * window.size();
     }
     return false;
 }

@@ -28,7 +28,8 @@ static Vector3d nearestToRays(const AlignedVector<Vector3d>& origins, const Alig
     return A.ldlt().solve(b);
 }
 
-AlignedVector<Vector3d> triangulate(const std::vector<Pixels>& imagePoints, const Camera& camera, const AlignedVector<Pose>& cam2base)
+AlignedVector<Vector3d> triangulate(const std::vector<Pixels>& imagePoints, const Camera& camera,
+                                    const AlignedVector<Pose>& cam2base)
 {
     const double largestMiss = 5; // px
     AlignedVector<Vector3d> points;
@@ -55,9 +56,10 @@ AlignedVector<Vector3d> triangulate(const std::vector<Pixels>& imagePoints, cons
     return points;
 }
 
-AlignedVector<StripeDepth> depthsNearStripes(const std::vector<Pixels>& segments, const std::vector<int>& views, const std::vector<Pixels>& imagePoints,
-                                             const AlignedVector<Vector3d>& scenePoints, const Camera& camera, const AlignedVector<Pose>& cam2base,
-                                             double searchRadius)
+AlignedVector<StripeDepth> depthsNearStripes(const std::vector<Pixels>& segments, const std::vector<int>& views,
+                                             const std::vector<Pixels>& imagePoints,
+                                             const AlignedVector<Vector3d>& scenePoints, const Camera& camera,
+                                             const AlignedVector<Pose>& cam2base, double searchRadius)
 {
     AlignedVector<StripeDepth> depths;
     for (size_t s = 0; s < segments.size(); ++s)
@@ -68,10 +70,12 @@ AlignedVector<StripeDepth> depthsNearStripes(const std::vector<Pixels>& segments
             const Vector2d& pixel = imagePoints[views[s]][j];
             if (!pixel.allFinite() || !scenePoints[j].allFinite())
                 continue;
-            const auto nearer = [&](const Vector2d& a, const Vector2d& b) { return (a - pixel).squaredNorm() < (b - pixel).squaredNorm(); };
+            const auto nearer = [&](const Vector2d& a, const Vector2d& b)
+            { return (a - pixel).squaredNorm() < (b - pixel).squaredNorm(); };
             const Vector2d nearest = *std::min_element(segments[s].begin(), segments[s].end(), nearer);
             if ((nearest - pixel).norm() <= searchRadius)
-                depths.push_back(StripeDepth{camera.ray(nearest), 1 / (pose.R.transpose() * (scenePoints[j] - pose.t)).z()});
+                depths.push_back(StripeDepth{camera.ray(nearest),
+                                             1 / (pose.R.transpose() * (scenePoints[j] - pose.t)).z()});
         }
     }
     return depths;
@@ -108,15 +112,19 @@ LightPlane lightPlaneFromDepths(const AlignedVector<StripeDepth>& depths, double
 {
     const int fewest = 30, trials = 500;
     if (depths.size() < fewest)
-        CV_Error(Error::StsNoConv, cv::format("imagePoints: too few tracked points near the stripes; needed at least %d within searchRadius, given %d",
-                                              fewest, int(depths.size())));
+        CV_Error(
+            Error::StsNoConv,
+            cv::format(
+                "imagePoints: too few tracked points near the stripes; needed at least %d within searchRadius, given %d",
+                fewest, int(depths.size())));
     RNG rng(1);
     const double coarse = 4, fine = 2; // px
     std::vector<int> best;
     for (int trial = 0; trial < trials; ++trial)
     {
         const int count = int(depths.size());
-        const Vector3d mu = solveInverseDepths(depths, {rng.uniform(0, count), rng.uniform(0, count), rng.uniform(0, count)});
+        const Vector3d mu =
+            solveInverseDepths(depths, {rng.uniform(0, count), rng.uniform(0, count), rng.uniform(0, count)});
         const std::vector<int> inliers = agreeing(depths, mu, focal, coarse);
         if (inliers.size() > best.size())
             best = inliers;
@@ -129,8 +137,12 @@ LightPlane lightPlaneFromDepths(const AlignedVector<StripeDepth>& depths, double
             mu = solveInverseDepths(depths, best);
     }
     if (best.size() * 3 < depths.size())
-        CV_Error(Error::StsNoConv, cv::format("imagePoints: no light plane agrees with the depths of the tracked points near the stripes; needed a third of "
-                                              "them within %g px, given %d of %d", fine, int(best.size()), int(depths.size())));
+        CV_Error(
+            Error::StsNoConv,
+            cv::format(
+                "imagePoints: no light plane agrees with the depths of the tracked points near the stripes; needed a third of "
+                "them within %g px, given %d of %d",
+                fine, int(best.size()), int(depths.size())));
     return LightPlane{mu.normalized(), 1 / mu.norm()};
 }
 

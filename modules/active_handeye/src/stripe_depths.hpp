@@ -11,7 +11,8 @@ namespace cv { namespace active_handeye {
 
 //! Scene points in the base frame from their image points in all views, by the nearest point to their rays; NaN where the rays have no
 //! parallax or miss the point by more than 5 px.
-AlignedVector<Eigen::Vector3d> triangulate(const std::vector<Pixels>& imagePoints, const Camera& camera, const AlignedVector<Pose>& cam2base);
+AlignedVector<Eigen::Vector3d> triangulate(const std::vector<Pixels>& imagePoints, const Camera& camera,
+                                           const AlignedVector<Pose>& cam2base);
 
 //! A ray on the stripe and the inverse depth of a scene point seen near it.
 struct StripeDepth
@@ -21,7 +22,8 @@ struct StripeDepth
 };
 
 //! For every tracked point within searchRadius pixels of a segment: the nearest pixel of that segment.
-AlignedVector<StripeDepth> depthsNearStripes(const std::vector<Pixels>& segments, const std::vector<int>& views, const std::vector<Pixels>& imagePoints,
+AlignedVector<StripeDepth> depthsNearStripes(const std::vector<Pixels>& segments, const std::vector<int>& views,
+                                             const std::vector<Pixels>& imagePoints,
                                              const AlignedVector<Eigen::Vector3d>& scenePoints, const Camera& camera,
                                              const AlignedVector<Pose>& cam2base, double searchRadius);
 

@@ -110,7 +110,8 @@ static Matrix3d knownPointEquations(const AlignedVector<Vector3d>& knownPoints)
     return M;
 }
 
-NormalCandidates findNormals(const std::vector<VanishingDirection>& directions, const AlignedVector<Vector3d>& knownPoints)
+NormalCandidates findNormals(const std::vector<VanishingDirection>& directions,
+                             const AlignedVector<Vector3d>& knownPoints)
 {
     NormalCandidates candidates;
     const Matrix3d known = knownPointEquations(knownPoints);

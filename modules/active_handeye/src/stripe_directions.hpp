@@ -37,7 +37,8 @@ struct NormalCandidates
 };
 
 //! From all directions by least squares (paper (25)), then from pairs of them, then the fan.
-NormalCandidates findNormals(const std::vector<VanishingDirection>& directions, const AlignedVector<Eigen::Vector3d>& knownPoints);
+NormalCandidates findNormals(const std::vector<VanishingDirection>& directions,
+                             const AlignedVector<Eigen::Vector3d>& knownPoints);
 
 }} // namespace cv::active_handeye
 

@@ -9,17 +9,20 @@ namespace cv { namespace active_handeye {
 
 static std::string describe(const Mat& image)
 {
-    return cv::format("%d x %d pixels, %d channels, depth code %d", image.cols, image.rows, image.channels(), image.depth());
+    return cv::format("%d x %d pixels, %d channels, depth code %d", image.cols, image.rows, image.channels(),
+                      image.depth());
 }
 
 static void requireImage(const Mat& image)
 {
     if (image.empty())
         CV_Error(Error::StsBadArg, "image: is empty; needed an image of 8 or 16 bits with 1 or 3 channels");
-    const bool known = (image.depth() == CV_8U || image.depth() == CV_16U) && (image.channels() == 1 || image.channels() == 3);
+    const bool known =
+        (image.depth() == CV_8U || image.depth() == CV_16U) && (image.channels() == 1 || image.channels() == 3);
     if (image.dims != 2 || !known)
         CV_Error(Error::StsBadArg,
-                 "image: needed 8 or 16 bits without sign (depth code 0 or 2) and 1 or 3 channels, given " + describe(image));
+                 "image: needed 8 or 16 bits without sign (depth code 0 or 2) and 1 or 3 channels, given " +
+                     describe(image));
 }
 
 static void requireSameFormat(const Mat& image, const Mat& background)
@@ -33,7 +36,9 @@ static void requireSameFormat(const Mat& image, const Mat& background)
 }
 
 StripeFrame::StripeFrame(const Mat& image, const Mat& background, bool vertical, double saturation)
-    : saturation_(saturation > 0 ? saturation : image.depth() == CV_8U ? 255 : 65535)
+    : saturation_(saturation > 0           ? saturation
+                  : image.depth() == CV_8U ? 255
+                                           : 65535)
 {
     requireImage(image);
     if (!background.empty())
@@ -104,7 +109,8 @@ static double normaliseAlbedo(std::vector<double>& albedo, double noise)
         mean += value / double(albedo.size());
     for (double value : albedo)
         variance += (value - mean) * (value - mean) / double(albedo.size());
-    const double contrast = mean > 3 * noise ? std::max(0., 1 - 1.5 * noise * noise / std::max(variance, noise * noise)) : 0;
+    const double contrast =
+        mean > 3 * noise ? std::max(0., 1 - 1.5 * noise * noise / std::max(variance, noise * noise)) : 0;
     const double darkest = 0.05;
     for (double& value : albedo)
         value = contrast > 0 ? std::max(darkest, 1 + contrast * (value / mean - 1)) : 1;

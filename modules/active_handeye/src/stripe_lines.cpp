@@ -42,10 +42,12 @@ StripeLine readStripeLine(const Pixels& pixels, const Camera& camera, int index)
     const StripeLine line = fitStripeLine(ideal);
     const double across = std::sqrt(line.squares / line.points), shortest = 0.5;
     if (line.halfLength < shortest || across > 0.3 * line.halfLength)
-        CV_Error(Error::StsBadArg,
-                 cv::format("stripePoints[%d]: needed a straight segment, given %d points that spread %.2f px along and %.2f px "
-                            "across their best line",
-                            index, line.points, line.halfLength, across));
+        CV_Error(
+            Error::StsBadArg,
+            cv::format(
+                "stripePoints[%d]: needed a straight segment, given %d points that spread %.2f px along and %.2f px "
+                "across their best line",
+                index, line.points, line.halfLength, across));
     return line;
 }
 
@@ -53,12 +55,13 @@ std::vector<int> readStripeViews(InputArray stripeViews, size_t segments, size_t
 {
     const std::vector<int> values = readIntegers(stripeViews, "stripeViews");
     if (values.size() != segments)
-        CV_Error(Error::StsBadSize, cv::format("stripeViews: needed one view for each of the %d segments in stripePoints, given %d",
-                                               int(segments), int(values.size())));
+        CV_Error(Error::StsBadSize,
+                 cv::format("stripeViews: needed one view for each of the %d segments in stripePoints, given %d",
+                            int(segments), int(values.size())));
     for (size_t i = 0; i < values.size(); ++i)
         if (values[i] < 0 || values[i] >= int(views))
-            CV_Error(Error::StsOutOfRange,
-                     cv::format("stripeViews[%d]: needed a view from 0 to %d, given %d", int(i), int(views) - 1, values[i]));
+            CV_Error(Error::StsOutOfRange, cv::format("stripeViews[%d]: needed a view from 0 to %d, given %d", int(i),
+                                                      int(views) - 1, values[i]));
     return values;
 }
 
@@ -66,12 +69,14 @@ std::vector<int> readSurfaceIds(InputArray surfaceIds, size_t segments)
 {
     const std::vector<int> values = readIntegers(surfaceIds, "surfaceIds");
     if (values.size() != segments)
-        CV_Error(Error::StsBadSize, cv::format("surfaceIds: needed one id for each of the %d segments in stripePoints, given %d",
-                                               int(segments), int(values.size())));
+        CV_Error(Error::StsBadSize,
+                 cv::format("surfaceIds: needed one id for each of the %d segments in stripePoints, given %d",
+                            int(segments), int(values.size())));
     for (size_t i = 0; i < values.size(); ++i)
         if (values[i] < -1)
             CV_Error(Error::StsOutOfRange,
-                     cv::format("surfaceIds[%d]: needed an id from 0 on, or -1 = not known, given %d", int(i), values[i]));
+                     cv::format("surfaceIds[%d]: needed an id from 0 on, or -1 = not known, given %d", int(i),
+                                values[i]));
     return values;
 }
 

@@ -20,8 +20,8 @@ struct StripeLine
 {
     Eigen::Vector2d centre, direction; //!< direction is a unit vector
     double halfLength;
-    double sigma;       //!< px, of each of the two points
-    double squares;     //!< sum of squared distances of the pixels to the line, px^2
+    double sigma;   //!< px, of each of the two points
+    double squares; //!< sum of squared distances of the pixels to the line, px^2
     int points;
 
     Eigen::Vector2d end(int i) const { return centre + (i ? halfLength : -halfLength) * direction; }

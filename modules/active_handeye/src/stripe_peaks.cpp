@@ -33,8 +33,8 @@ class PeakSearch
 {
 public:
     PeakSearch(const StripeFrame& frame, double sigma)
-        : frame_(frame), kernel_(sigma), depth_(2 * kernel_.outer + 2), cols_(size_t(frame.cols())), ring_(depth_ * cols_),
-          innerSum_(cols_), outerSum_(cols_), score_(cols_)
+        : frame_(frame), kernel_(sigma), depth_(2 * kernel_.outer + 2), cols_(size_t(frame.cols())),
+          ring_(depth_ * cols_), innerSum_(cols_), outerSum_(cols_), score_(cols_)
     {
         peaks_.row.assign(cols_, 0);
         peaks_.height.assign(cols_, 0.f);

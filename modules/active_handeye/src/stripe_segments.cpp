@@ -16,7 +16,8 @@ namespace {
 class PrefixSums
 {
 public:
-    PrefixSums(const Pixels& points, const std::vector<double>& weights) : weight_(1, 0.), first_(1, Vector2d(0, 0)), second_(1, Matrix2d::Zero())
+    PrefixSums(const Pixels& points, const std::vector<double>& weights)
+        : weight_(1, 0.), first_(1, Vector2d(0, 0)), second_(1, Matrix2d::Zero())
     {
         const Vector2d origin = points.empty() ? Vector2d(0, 0) : points[points.size() / 2]; // keeps the sums small
         for (size_t i = 0; i < points.size(); ++i)
@@ -71,10 +72,11 @@ struct Part
 class StripeSplitter
 {
 public:
-    StripeSplitter(const Pixels& points, const std::vector<double>& weights, double breakDistance, double maxGap, int minPoints)
-        : points_(points), sums_(points, weights), breakDistance_(breakDistance), maxGap_(maxGap), minPoints_(size_t(minPoints))
-    {
-    }
+    StripeSplitter(const Pixels& points, const std::vector<double>& weights, double breakDistance, double maxGap,
+                   int minPoints)
+        : points_(points), sums_(points, weights), breakDistance_(breakDistance), maxGap_(maxGap),
+          minPoints_(size_t(minPoints))
+    {}
 
     std::vector<Part> run()
     {
@@ -197,8 +199,8 @@ std::vector<double> readSigmas(InputArray sigmas, size_t count)
     Mat values;
     given.convertTo(values, CV_64F);
     if (values.total() * values.channels() != count)
-        CV_Error(Error::StsBadSize, cv::format("sigmas: needed one number for each of the %d points, given %d", int(count),
-                                               int(values.total() * values.channels())));
+        CV_Error(Error::StsBadSize, cv::format("sigmas: needed one number for each of the %d points, given %d",
+                                               int(count), int(values.total() * values.channels())));
     std::vector<double> result(count);
     for (size_t i = 0; i < count; ++i)
         result[i] = readPositive(values.ptr<double>()[i], "sigmas");
@@ -207,8 +209,8 @@ std::vector<double> readSigmas(InputArray sigmas, size_t count)
 
 } // namespace
 
-void splitStripe(InputArray stripePoints, InputArray sigmas, InputArray cameraMatrix, InputArray distCoeffs, OutputArray segmentIds,
-                 double breakDistance, double maxGap, int minPoints)
+void splitStripe(InputArray stripePoints, InputArray sigmas, InputArray cameraMatrix, InputArray distCoeffs,
+                 OutputArray segmentIds, double breakDistance, double maxGap, int minPoints)
 {
     CV_TRACE_FUNCTION();
     const Pixels pixels = readPixels(stripePoints, "stripePoints");

@@ -4,16 +4,13 @@
 #ifndef OPENCV_TEST_ACTIVE_HANDEYE_STRIPE_SCENE_HPP
 #define OPENCV_TEST_ACTIVE_HANDEYE_STRIPE_SCENE_HPP
 
-#include "test_precomp.hpp"
+#include "point_scene.hpp"
 
 namespace opencv_test {
 
 inline Matx33d rotationAbout(const Vec3d& axis, double degrees)
 {
-    const double a = degrees * CV_PI / 180;
-    const Vec3d u = axis / cv::norm(axis);
-    const Matx33d S(0, -u[2], u[1], u[2], 0, -u[0], -u[1], u[0], 0);
-    return Matx33d::eye() + std::sin(a) * S + (1 - std::cos(a)) * S * S;
+    return rotation(axis * (degrees * CV_PI / 180 / cv::norm(axis)));
 }
 
 struct SceneSurface
@@ -69,7 +66,8 @@ struct StripeScene
 
     void addSurface(const Vec3d& normal, double offset, double firstColumn, double lastColumn)
     {
-        surfaces.push_back(SceneSurface{normal / cv::norm(normal), offset, firstColumn, lastColumn, int(surfaces.size())});
+        surfaces.push_back(SceneSurface{normal / cv::norm(normal), offset, firstColumn, lastColumn,
+                                        int(surfaces.size())});
     }
 
     //! Table, a plate tilted about x, a plate tilted about y; two groups of five views.
@@ -144,7 +142,8 @@ struct StripeScene
     double calibrate(Vec4d& plane, Mat covariance = Mat(), InputArray knownPoints = noArray()) const
     {
         Mat light;
-        const double rms = calibrateLightPlane(R, t, points, views, ids, K, D, R_cam2gripper, light, covariance, knownPoints);
+        const double rms =
+            calibrateLightPlane(R, t, points, views, ids, K, D, R_cam2gripper, light, covariance, knownPoints);
         plane = Vec4d(light.ptr<double>());
         return rms;
     }

@@ -6,8 +6,7 @@
 
 #include "opencv2/core.hpp"
 
-namespace cv {
-namespace active_handeye {
+namespace cv { namespace active_handeye {
 
 //! @addtogroup active_handeye
 //! @{
@@ -55,15 +54,13 @@ stripes do not determine the plane: too few views, translations along the stripe
 stripes that contradict each other. The text says what is missing, directions in base coordinates.
 */
 CV_EXPORTS_W double calibrateLightPlane(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base,
-                                        InputArrayOfArrays stripePoints, InputArray stripeViews,
-                                        InputArray surfaceIds, InputArray cameraMatrix, InputArray distCoeffs,
-                                        InputArray R_cam2gripper, OutputArray lightPlane,
-                                        OutputArray covariance = noArray(), InputArray knownPoints = noArray(),
-                                        double orientationTolerance = 0.05);
+                                        InputArrayOfArrays stripePoints, InputArray stripeViews, InputArray surfaceIds,
+                                        InputArray cameraMatrix, InputArray distCoeffs, InputArray R_cam2gripper,
+                                        OutputArray lightPlane, OutputArray covariance = noArray(),
+                                        InputArray knownPoints = noArray(), double orientationTolerance = 0.05);
 
 //! @}
 
-} // namespace active_handeye
-} // namespace cv
+}} // namespace cv::active_handeye
 
 #endif // OPENCV_ACTIVE_HANDEYE_LIGHT_PLANE_HPP

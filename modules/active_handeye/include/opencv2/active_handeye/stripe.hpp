@@ -6,8 +6,7 @@
 
 #include "opencv2/core.hpp"
 
-namespace cv {
-namespace active_handeye {
+namespace cv { namespace active_handeye {
 
 //! @addtogroup active_handeye
 //! @{
@@ -24,16 +23,16 @@ struct CV_EXPORTS_W_SIMPLE StripeParams
 {
     CV_WRAP StripeParams();
 
-    CV_PROP_RW int orientation;     //!< a #StripeOrientation; default STRIPE_HORIZONTAL
-    CV_PROP_RW double sigma;        //!< expected standard deviation of the stripe's cross profile [px], 0.5 to 20; the
-                                    //!< width found in the image (half to twice this) is used; default 1.5
-    CV_PROP_RW double minSnr;       //!< least height of a peak of the smoothed profile, in units of its noise; default 4.5
-    CV_PROP_RW double minContrast;  //!< least height of the stripe as a fraction of the saturation level; default 0.02
+    CV_PROP_RW int orientation; //!< a #StripeOrientation; default STRIPE_HORIZONTAL
+    CV_PROP_RW double sigma;    //!< expected standard deviation of the stripe's cross profile [px], 0.5 to 20; the
+                                //!< width found in the image (half to twice this) is used; default 1.5
+    CV_PROP_RW double minSnr;   //!< least height of a peak of the smoothed profile, in units of its noise; default 4.5
+    CV_PROP_RW double minContrast;   //!< least height of the stripe as a fraction of the saturation level; default 0.02
     CV_PROP_RW double maxSecondPeak; //!< a column is left out when its second peak is higher than this fraction of the
-                                    //!< first; default 0.6
-    CV_PROP_RW double saturation;   //!< grey level from which a pixel is saturated; 0 = the largest value of the image
-                                    //!< type (say 4095 for 12 bits in 16); default 0
-    CV_PROP_RW int minRun;          //!< shorter runs of neighbouring points are left out; default 5
+                                     //!< first; default 0.6
+    CV_PROP_RW double saturation;    //!< grey level from which a pixel is saturated; 0 = the largest value of the image
+                                     //!< type (say 4095 for 12 bits in 16); default 0
+    CV_PROP_RW int minRun;           //!< shorter runs of neighbouring points are left out; default 5
 };
 
 /** @brief Finds the centre line of a laser stripe, one sub-pixel point per column (or row).
@@ -109,7 +108,6 @@ CV_EXPORTS_W void associateStripes(InputArrayOfArrays R_gripper2base, InputArray
 
 //! @}
 
-} // namespace active_handeye
-} // namespace cv
+}} // namespace cv::active_handeye
 
 #endif // OPENCV_ACTIVE_HANDEYE_STRIPE_HPP
