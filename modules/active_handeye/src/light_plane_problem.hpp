@@ -31,7 +31,8 @@ struct StripeSurface
 {
     int group, id;
     AlignedVector<StripeView> views;
-    Eigen::Vector4d plane; //!< (w, e0), w.X = e0 in the camera frame of the group's first view; length 1
+    Eigen::Vector4d plane =
+        Eigen::Vector4d::Zero(); //!< (w, e0), w.X = e0 in the camera frame of the group's first view; length 1
 };
 
 typedef AlignedVector<StripeSurface> StripeSurfaces;
