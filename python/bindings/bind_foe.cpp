@@ -35,7 +35,7 @@ Raises:
     error: wrong input (StsBadArg, StsBadSize, StsOutOfRange); StsNoConv when the matches cannot answer: fewer
         than two, no parallax, or all displacements on one line.
 
-Source: doc/method, estimateFOE; the paper's equation (3).
+Source: doc/method/foe.md; the paper's equation (3).
 )doc";
 
 using FoeResult = py::typing::Tuple<int, py::array_t<double>, py::array_t<uchar>, py::array_t<double>>;

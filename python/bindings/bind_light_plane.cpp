@@ -38,7 +38,7 @@ Raises:
     error: wrong input (StsBadArg, StsBadSize, StsOutOfRange); StsNoConv when the stripes do not determine the
         plane; the text says what is missing, directions in base coordinates.
 
-Source: doc/method, calibrateLightPlane; the paper's equations (22), (25), (30), (31).
+Source: doc/method/light_plane.md; the paper's equations (22), (25), (30), (31).
 )doc";
 
 using LightPlaneResult = py::typing::Tuple<double, py::array_t<double>, py::array_t<double>>;

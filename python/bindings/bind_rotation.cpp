@@ -37,7 +37,7 @@ Raises:
         orientation, all axes parallel (the axis is named), no translation, no points in common, no parallax, scene
         points behind the camera (inverted poses), a view that contradicts the others (named).
 
-Source: doc/method, calibrateHandEyeRotation; the paper's equations (35) to (43), corrected.
+Source: doc/method/rotation.md; the paper's equations (35) to (43), corrected.
 )doc";
 
 using RotationResult = py::typing::Tuple<double, py::array_t<double>, py::array_t<double>>;

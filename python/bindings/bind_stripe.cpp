@@ -25,8 +25,6 @@ Returns:
 
 Raises:
     error: an empty image, an unsupported type, a background of another shape or type, parameters out of range.
-
-Source: doc/method, detectStripe.
 )doc";
 
 const char* const splitDoc = R"doc(Straight segments of a stripe, one per plane it crosses.
@@ -45,8 +43,6 @@ Returns:
 
 Raises:
     error: wrong input.
-
-Source: doc/method, splitStripe.
 )doc";
 
 const char* const associateDoc =
@@ -77,7 +73,7 @@ Raises:
     error: wrong input; StsNoConv when fewer than 30 stripe points have a tracked point near them, or no plane
         agrees with a third of these.
 
-Source: doc/method, associateStripes.
+Source: doc/method/light_plane.md.
 )doc";
 
 const char* const paramsDoc = R"doc(What a stripe looks like, for detectStripe.

@@ -40,7 +40,7 @@ Raises:
     error: wrong input (StsBadArg, StsBadSize, StsOutOfRange); StsNoConv when the data cannot answer; the text says
         what is missing, directions in base coordinates.
 
-Source: doc/method, calibrateHandEyeTranslations; the paper's equations (14) to (18).
+Source: doc/method/translations.md; the paper's equations (14) to (18).
 )doc";
 
 const char* const groupsDoc = R"doc(Groups of views between which the gripper only translated.
