@@ -30,12 +30,12 @@ void LightPlaneCalibration::readSurfaces(const AlignedVector<Pose>& gripper2base
     double sum = 0;
     for (size_t i = 0; i < stripes.size(); ++i)
     {
+        if (ids[i] < 0)
+            continue;
         StripeView view;
         view.segment = int(i);
         view.view = views[i];
         view.line = readStripeLine(stripes[i], camera, int(i));
-        if (ids[i] < 0)
-            continue;
         const Matrix3d toRay = camera.K.inverse();
         for (int end = 0; end < 2; ++end)
             view.rays[end] = toRay * view.line.end(end).homogeneous();

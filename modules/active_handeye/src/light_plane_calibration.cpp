@@ -84,8 +84,10 @@ void LightPlaneCalibration::findDirections()
     if (surfaces.empty())
         CV_Error(
             Error::StsNoConv,
-            "surfaceIds: stripes of one surface in one group do not share a vanishing direction (a mislabelled surface?); "
-            "needed at least 3 lines per surface that meet within 3 px, given lines that miss: " +
+            cv::format(
+                "surfaceIds: stripes of one surface in one group do not share a vanishing direction (a mislabelled surface?); "
+                "needed at least 3 lines per surface that meet within %g px, given lines that miss: ",
+                startTolerance) +
                 contradictionList());
 }
 

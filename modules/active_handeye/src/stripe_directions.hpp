@@ -10,7 +10,7 @@
 namespace cv { namespace active_handeye {
 
 //! A line this far [px] from where the others want it contradicts them, when the closed forms are computed.
-const double startTolerance = 3;
+const double startTolerance = 5;
 
 //! Unit normal of the plane through the camera's centre and the line.
 Eigen::Vector3d interpretationNormal(const StripeView& view);
