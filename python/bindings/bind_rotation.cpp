@@ -29,8 +29,8 @@ Args:
 Returns:
     retval: RMS distance between image points and their predictions, pixels.
     t_cam2gripper: (3, 1) position of the camera in the gripper frame.
-    covariance: (3, 3) for given K and R_cam2gripper. Image noise, estimated from the residuals, is covered; the
-        robot's errors are not. A component that is not observed has infinite variance.
+    covariance: (3, 3) for given K and R_cam2gripper. Covers image noise and, where the residuals show it, jitter of the
+        reported orientations, both estimated; not other errors of the robot. A component that is not observed has infinite variance.
 
 Raises:
     error: wrong input (StsBadArg, StsBadSize, StsOutOfRange); StsNoConv when the data cannot answer: no change of

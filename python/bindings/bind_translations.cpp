@@ -34,7 +34,8 @@ Returns:
     cameraMatrix: (3, 3).
     R_cam2gripper: (3, 3) rotation from the camera frame to the gripper frame.
     covariance: (8, 8) of fx, fy, cx, cy, skew (pixels) and the rotation error vector in the gripper frame (rad); rows
-        of fixed parameters are zero. Image noise, estimated from the residuals, is covered; the robot's errors are not.
+        of fixed parameters are zero. Covers image noise and, where the residuals show it, jitter of the reported
+            orientations, both estimated; not other errors of the robot.
 
 Raises:
     error: wrong input (StsBadArg, StsBadSize, StsOutOfRange); StsNoConv when the data cannot answer; the text says

@@ -196,4 +196,11 @@ bool ProjectionSolver::mirror(Projection& projection) const
     return true;
 }
 
+MatrixXd ProjectionSolver::tangent(const Projection& projection) const
+{
+    ProjectionJacobian jacobian;
+    projection.vector(T_, &jacobian);
+    return jacobian * free_;
+}
+
 }} // namespace cv::active_handeye

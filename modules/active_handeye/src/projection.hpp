@@ -50,6 +50,9 @@ public:
     //! With two directions only, R and R turned by 180 degrees about their normal differ in the sign of all depths. False with three.
     bool mirror(Projection& projection) const;
 
+    //! Derivative of vector() by the free parameters.
+    Eigen::MatrixXd tangent(const Projection& projection) const;
+
     int freeCount() const { return int(free_.cols()); }
     Vector9d vector(const Projection& projection) const { return projection.vector(T_); }
 

@@ -78,6 +78,7 @@ public:
             models[view].negative << pose.R, (pose.t - center) / std::max(length, 1e-300);
         }
         pixelsPerUnit = 1 / T.scale;
+        tracks.focalLength = std::sqrt(K(0, 0) * K(1, 1)) * T.scale;
         function = "calibrateHandEyeRotation";
     }
 
@@ -91,6 +92,7 @@ public:
 
     bool updateImages(const Vector4d&) CV_OVERRIDE { return false; }
     bool mirror(Vector4d&) CV_OVERRIDE { return false; }
+    MatrixXd tangent() const CV_OVERRIDE { return Eigen::Matrix<double, 4, 3>::Identity() * observed_; }
 
     //! Covariance of t for residuals of standard deviation sigma, in units of length^2, within what is observed.
     Matrix3d covariance(const Matrix4d& S, double sigma) const

@@ -37,7 +37,8 @@ void Tracks::add(const std::vector<Pixels>& pixels, const std::vector<int>& view
     {
         for (int view : views)
             if (!std::isnan(pixels[view][point].x()))
-                observations.push_back(Observation{view, int(point), pixels[view][point], Matrix3d()});
+                observations.push_back(Observation{view, int(point), pixels[view][point], pixels[view][point],
+                                                   Matrix3d()});
         if (int(observations.size()) - first.back() >= 2)
             first.push_back(int(observations.size()));
         else
@@ -56,6 +57,21 @@ void Tracks::setForms(const AlignedVector<Matrix3d>& toImage)
     }
 }
 
+JitterMotion Tracks::jitterMotion(const Observation& observation) const
+{
+    const double x = observation.measured.x() / focalLength, y = observation.measured.y() / focalLength;
+    JitterMotion E;
+    E << 1, 0, -y, 0, 1, x;
+    return E;
+}
+
+void Tracks::removeJitter(const Eigen::VectorXd& jitter)
+{
+    for (Observation& observation : observations)
+        observation.x = observation.measured -
+                        jitterMotion(observation) * jitter.segment<JITTER_NUMBERS>(JITTER_NUMBERS * observation.view);
+}
+
 double Tracks::medianParallax() const
 {
     std::vector<double> parallax;
@@ -63,7 +79,7 @@ double Tracks::medianParallax() const
     {
         Eigen::AlignedBox2d box;
         for (int o = first[j]; o < first[j + 1]; ++o)
-            box.extend(observations[o].x);
+            box.extend(observations[o].measured);
         parallax.push_back(box.diagonal().norm());
     }
     if (parallax.empty())
@@ -85,14 +101,6 @@ void EliminatedPoint::set(const Matrix3d& A, int observations)
     l22_ = 1 / std::sqrt(d2);
     const double minimumPivotRatio = 1e-14;
     usable_ = observations >= 2 && std::min(d0, std::min(d1, d2)) > minimumPivotRatio * std::max(d0, std::max(d1, d2));
-}
-
-template <int Q>
-void EliminatedPoint::solveLower(Eigen::Matrix<double, 3, Q>& B) const
-{
-    B.row(0) *= l00_;
-    B.row(1) = (B.row(1) - l10_ * B.row(0)) * l11_;
-    B.row(2) = (B.row(2) - l20_ * B.row(0) - l21_ * B.row(1)) * l22_;
 }
 
 Vector3d EliminatedPoint::solve(const Vector3d& b) const
@@ -151,6 +159,7 @@ void evaluateTracks(const Tracks& tracks, const AlignedVector<Model>& models, co
 {
     residuals.depth.assign(tracks.observations.size(), std::numeric_limits<double>::quiet_NaN());
     residuals.squared = residuals.depth;
+    residuals.residual.resize(tracks.observations.size());
     AlignedVector<Vector3d> shift;
     for (const Model& model : models)
         shift.push_back(model.shift(p));
@@ -167,7 +176,8 @@ void evaluateTracks(const Tracks& tracks, const AlignedVector<Model>& models, co
             const Observation& observation = tracks.observations[o];
             const Vector3d image = toImage[observation.view] * (Z + shift[observation.view]);
             residuals.depth[o] = image.z();
-            residuals.squared[o] = (observation.x - image.head<2>() / image.z()).squaredNorm();
+            residuals.residual[o] = observation.x - image.head<2>() / image.z();
+            residuals.squared[o] = residuals.residual[o].squaredNorm();
         }
     }
 }

@@ -40,12 +40,20 @@ struct RotationModel
     void addProduct(const Eigen::Matrix3d& M, Eigen::Matrix<double, 3, 4>& sum) const { sum.noalias() -= M * negative; }
 };
 
+//! A small turn of the camera of a view, as image motion at the focal length in units of x: shift x, shift y, roll.
+enum
+{
+    JITTER_NUMBERS = 3
+};
+typedef Eigen::Matrix<double, 2, JITTER_NUMBERS> JitterMotion;
+
 struct Observation
 {
-    int view;             //!< view of the caller
-    int point;            //!< column of imagePoints
-    Eigen::Vector2d x;    //!< image point
-    Eigen::Matrix3d form; //!< M
+    int view;                 //!< view of the caller
+    int point;                //!< column of imagePoints
+    Eigen::Vector2d measured; //!< image point
+    Eigen::Vector2d x;        //!< the same without the jitter of its view
+    Eigen::Matrix3d form;     //!< M
 };
 
 //! Observations sorted by track: track j is observations[first[j]] .. observations[first[j + 1] - 1].
@@ -54,13 +62,21 @@ struct Tracks
     AlignedVector<Observation> observations;
     std::vector<int> first = std::vector<int>(1, 0);
 
+    double focalLength = 1; //!< about, in units of x
+
     int count() const { return int(first.size()) - 1; }
 
     //! Adds one track for every point that two or more of the `views` see.
     void add(const std::vector<Pixels>& pixels, const std::vector<int>& views);
 
-    //! Sets the forms of all observations for view i seeing toImage[i] Y.
+    //! Sets the forms of all observations for view i seeing toImage[i] Y at x.
     void setForms(const AlignedVector<Eigen::Matrix3d>& toImage);
+
+    //! Sets x to what is measured without the jitter of the views.
+    void removeJitter(const Eigen::VectorXd& jitter);
+
+    //! How the jitter of a view moves an image point.
+    JitterMotion jitterMotion(const Observation& observation) const;
 
     //! Median over the tracks of the size of the box around their image points.
     double medianParallax() const;
@@ -76,7 +92,12 @@ public:
 
     //! B <- L^-1 B.
     template <int Q>
-    void solveLower(Eigen::Matrix<double, 3, Q>& B) const;
+    void solveLower(Eigen::Matrix<double, 3, Q>& B) const
+    {
+        B.row(0) *= l00_;
+        B.row(1) = (B.row(1) - l10_ * B.row(0)) * l11_;
+        B.row(2) = (B.row(2) - l20_ * B.row(0) - l21_ * B.row(1)) * l22_;
+    }
 
     //! A^-1 b.
     Eigen::Vector3d solve(const Eigen::Vector3d& b) const;
@@ -95,9 +116,10 @@ Eigen::Matrix<double, Model::parameters, Model::parameters>
 eliminateTracks(const Tracks& tracks, const AlignedVector<Model>& models, const std::vector<double>& weights,
                 AlignedVector<EliminatedPoint>& points);
 
-//! Depth and squared reprojection error of every observation.
+//! Depth and reprojection error of every observation.
 struct TrackResiduals
 {
+    Pixels residual;
     std::vector<double> depth, squared;
 };
 

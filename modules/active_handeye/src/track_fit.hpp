@@ -3,7 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 // Robust solution of one track problem (track_elimination.hpp): weights by depth, wrong observations found by their residuals, a view that
-// contradicts all others found by leaving it out.
+// contradicts all others found by leaving it out, jitter of whole views (track_jitter.hpp) where it is significant.
 #ifndef OPENCV_ACTIVE_HANDEYE_TRACK_FIT_HPP
 #define OPENCV_ACTIVE_HANDEYE_TRACK_FIT_HPP
 
@@ -29,6 +29,9 @@ public:
     //! Replaces p by the other answer with the same residuals and depths of opposite sign; false when there is none.
     virtual bool mirror(Parameters& p) = 0;
 
+    //! Directions in which the present p may move, one a column.
+    virtual Eigen::MatrixXd tangent() const = 0;
+
     Tracks tracks;
     AlignedVector<Model> models;            //!< per view
     AlignedVector<Eigen::Matrix3d> toImage; //!< per view: it sees Y at toImage Y
@@ -45,10 +48,12 @@ struct TrackFit
     double cost;        //!< sum of squared residuals used, in units of Observation::x
     int used;           //!< observations used
     double medianDepth; //!< of the observations
-    int redundancy;     //!< 2 x observations used - 3 x tracks used, before the parameters
+    double jitterSigma; //!< of the views, in units of Observation::x at the focal length; 0 when it is not significant
+    double
+        redundancy; //!< 2 x observations used - 3 x tracks used - jitter numbers that the data determine, before the parameters
 
     //! Noise of one coordinate of an image point.
-    double sigma(int freeParameters) const { return std::sqrt(cost / std::max(redundancy - freeParameters, 1)); }
+    double sigma(int freeParameters) const { return std::sqrt(cost / std::max(redundancy - freeParameters, 1.)); }
     double rms() const { return std::sqrt(cost / used); }
     EIGEN_MAKE_ALIGNED_OPERATOR_NEW
 };

@@ -34,6 +34,7 @@ public:
 
     Vector9d minimize(const Matrix9d&) CV_OVERRIDE { return p_; }
     bool mirror(Vector9d&) CV_OVERRIDE { return false; }
+    MatrixXd tangent() const CV_OVERRIDE { return MatrixXd(9, 0); }
 
 private:
     Vector9d p_;

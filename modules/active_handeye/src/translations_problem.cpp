@@ -105,6 +105,8 @@ TranslationsProblem::TranslationsProblem(const GroupTranslations& motion, const 
 Vector9d TranslationsProblem::minimize(const Matrix9d& S)
 {
     projection = solver_.minimize(S);
+    const double f = std::sqrt(projection.K(0, 0) * projection.K(1, 1)) / pixelsPerUnit, shortest = 0.1;
+    tracks.focalLength = f > shortest ? f : shortest; // a bad start may have none
     return solver_.vector(projection);
 }
 

@@ -16,8 +16,8 @@ class CellConfig(BaseModel):
     principal_point_px: None = (316.8, 243.3) scaled to the image size, moved a little by the seed.
     distortion: k1, k2, p1, p2, k3 as in OpenCV. The paper neglects distortion, so the default is zero.
     repeatability_mm, repeatability_deg: sigma per axis of the true flange pose about the reported one, drawn per stop.
-        0.02 mm is the VP-6242's figure; data sheets give none for orientation, and 0.003 deg is 0.02 mm at a lever
-        of 0.4 m. The closed form's rotation error grows in proportion to repeatability_deg.
+        0.02 mm is the VP-6242's figure; data sheets give none for orientation, and 0.005 deg is 0.02 mm at a lever
+        of 0.23 m. The closed form's rotation error grows in proportion to repeatability_deg.
     servo_mm, servo_deg: sigma per axis of the reported pose about the commanded one (the controller knows this error).
     absolute_error_mm, absolute_error_deg: RMS of a smooth error of the true pose over the workspace, the same at every
         visit, with wavelengths of 0.8 m and more. Zero by default: it scales and shears all translations, which no
@@ -40,7 +40,7 @@ class CellConfig(BaseModel):
     principal_point_px: tuple[float, float] | None = None
     distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
     repeatability_mm: float = Field(default=0.02, ge=0)
-    repeatability_deg: float = Field(default=0.003, ge=0)
+    repeatability_deg: float = Field(default=0.005, ge=0)
     servo_mm: float = Field(default=0.002, ge=0)
     servo_deg: float = Field(default=0.0005, ge=0)
     absolute_error_mm: float = Field(default=0.0, ge=0)

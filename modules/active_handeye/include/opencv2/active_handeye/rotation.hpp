@@ -33,7 +33,8 @@ orientation contributes; at least two changes about axes that are not parallel a
 @param[in] distCoeffs k1, k2, p1, p2[, k3], or empty.
 @param[in] R_cam2gripper 3 x 3 rotation or rotation vector.
 @param[out] t_cam2gripper 3 x 1, in the unit of t_gripper2base. With ROTATION_ALLOW_PARTIAL and one axis only, its component along the axis is 0.
-@param[out] covariance 3 x 3 for given K and R_cam2gripper; it covers image noise, estimated from the residuals, not the robot's errors. A component that is
+@param[out] covariance 3 x 3 for given K and R_cam2gripper; it covers image noise and, where the
+residuals show it, a jitter of the reported orientations; not other errors of the robot. A component that is
 not observed has infinite variance.
 @param[in] flags combination of #RotationFlags.
 @return RMS distance between image points and their predictions, pixels.

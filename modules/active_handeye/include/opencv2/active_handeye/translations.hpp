@@ -45,7 +45,8 @@ not seen. Wrong matches are found by their residuals and left out.
 until K no longer changes.
 @param[out] R_cam2gripper 3 x 3.
 @param[out] covariance 8 x 8, of fx, fy, cx, cy, skew [pixels] and the rotation error vector in the gripper frame [rad]
-(true R = exp(error) R_cam2gripper); rows of fixed parameters are zero. It covers image noise, estimated from the residuals, not the robot's errors.
+(true R = exp(error) R_cam2gripper); rows of fixed parameters are zero. It covers image noise and, where
+the residuals show it, a jitter of the reported orientations, both estimated; not other errors of the robot.
 @param[in] method see #TranslationsMethod.
 @param[in] flags combination of #TranslationsFlags.
 @param[in] orientationTolerance views whose orientations differ by less than this belong to one group, degrees.
