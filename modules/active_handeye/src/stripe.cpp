@@ -41,7 +41,14 @@ struct StripePoint
 {
     int column;
     double centre, sigma;
+    double misfit, height; //!< grey levels
 };
+
+double median(std::vector<double>& values)
+{
+    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+    return values[values.size() / 2];
+}
 
 //! From the peaks of the columns to the centre line.
 class StripeDetector
@@ -61,9 +68,10 @@ public:
         {
             StripeProfile profile;
             if (fitColumn(column, false, profile))
-                points.push_back(StripePoint{column, profile.centre, profile.centreSigma});
+                points.push_back(StripePoint{column, profile.centre, profile.centreSigma, profile.misfit,
+                                             profile.height});
         }
-        return withoutShortRuns(points);
+        return withoutShortRuns(withoutMisfits(points));
     }
 
 private:
@@ -90,8 +98,7 @@ private:
         }
         if (widths.size() < 5)
             return params_.sigma;
-        std::nth_element(widths.begin(), widths.begin() + widths.size() / 2, widths.end());
-        return widths[widths.size() / 2];
+        return median(widths);
     }
 
     bool fitColumn(int x, bool fitSigma, StripeProfile& profile)
@@ -121,6 +128,22 @@ private:
         while (bottom < frame_.rows() - 1 && bottom - top <= largest && frame_.isSaturated(x, bottom + 1))
             ++bottom;
         return bottom - top < largest;
+    }
+
+    //! Two stripes in one, as at a step, fit worse than the others; how well those fit depends on speckle and texture.
+    std::vector<StripePoint> withoutMisfits(const std::vector<StripePoint>& points) const
+    {
+        if (points.empty())
+            return points;
+        std::vector<double> ratios;
+        for (const StripePoint& point : points)
+            ratios.push_back(point.misfit / point.height);
+        const double limit = 3 * median(ratios);
+        std::vector<StripePoint> kept;
+        for (const StripePoint& point : points)
+            if (point.misfit <= std::max(2.5 * peaks_.pixelNoise, limit * point.height))
+                kept.push_back(point);
+        return kept;
     }
 
     bool areNeighbours(const StripePoint& a, const StripePoint& b) const

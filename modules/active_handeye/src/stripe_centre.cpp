@@ -68,13 +68,6 @@ bool fitLinearPart(const StripeWindow& window, StripeProfile& p)
     return p.height > 0;
 }
 
-bool isOnePeak(const Normal& normal, int unknowns, double pixelNoise, const StripeProfile& p)
-{
-    const int freedom = normal.pixels - unknowns;
-    const double rms = std::sqrt(normal.squares / std::max(1, freedom));
-    return freedom > 0 && rms <= std::max(4 * pixelNoise, 0.2 * p.height);
-}
-
 } // namespace
 
 bool fitStripeProfile(const StripeWindow& window, double pixelNoise, bool fitSigma, StripeProfile& profile)
@@ -107,8 +100,9 @@ bool fitStripeProfile(const StripeWindow& window, double pixelNoise, bool fitSig
         const double variance =
             (normal.squares + priorFreedom * pixelNoise * pixelNoise) / (std::max(0, freedom) + priorFreedom);
         profile.centreSigma = std::sqrt(variance * ldlt.solve(Eigen::VectorXd::Unit(unknowns, CENTRE))(CENTRE));
-        return isOnePeak(normal, unknowns, pixelNoise, profile) &&
-               std::abs(profile.centre - start) <= 0.5 * window.size();
+        profile.misfit = std::sqrt(normal.squares / std::max(1, freedom));
+        const bool isOnePeak = freedom > 0 && profile.misfit <= std::max(4 * pixelNoise, 0.2 * profile.height);
+        return isOnePeak && std::abs(profile.centre - start) <= 0.5 * window.size();
     }
     return false;
 }

@@ -14,6 +14,7 @@ struct StripeProfile
 {
     double height, offset, centre, sigma;
     double centreSigma; //!< standard deviation of centre
+    double misfit;      //!< RMS residual, grey levels
 };
 
 /** Least-squares fit of the profile to the pixels of the window that are valid, started at `start` (centre and sigma).
