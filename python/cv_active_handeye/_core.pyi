@@ -136,7 +136,7 @@ def associateStripes(
         error: wrong input; StsNoConv when fewer than 30 stripe points have a tracked point near them, or no plane
             agrees with a third of these.
 
-    Source: doc/method, associateStripes.
+    Source: doc/method/light_plane.md.
     """
 
 def calibrateHandEyeRotation(
@@ -169,15 +169,15 @@ def calibrateHandEyeRotation(
     Returns:
         retval: RMS distance between image points and their predictions, pixels.
         t_cam2gripper: (3, 1) position of the camera in the gripper frame.
-        covariance: (3, 3) for given K and R_cam2gripper. Image noise, estimated from the residuals, is covered; the
-            robot's errors are not. A component that is not observed has infinite variance.
+        covariance: (3, 3) for given K and R_cam2gripper. Covers image noise and, where the residuals show it, jitter of the
+            reported orientations, both estimated; not other errors of the robot. A component that is not observed has infinite variance.
 
     Raises:
         error: wrong input (StsBadArg, StsBadSize, StsOutOfRange); StsNoConv when the data cannot answer: no change of
             orientation, all axes parallel (the axis is named), no translation, no points in common, no parallax, scene
             points behind the camera (inverted poses), a view that contradicts the others (named).
 
-    Source: doc/method, calibrateHandEyeRotation; the paper's equations (35) to (43), corrected.
+    Source: doc/method/rotation.md; the paper's equations (35) to (43), corrected.
     """
 
 def calibrateHandEyeTranslations(
@@ -218,13 +218,14 @@ def calibrateHandEyeTranslations(
         cameraMatrix: (3, 3).
         R_cam2gripper: (3, 3) rotation from the camera frame to the gripper frame.
         covariance: (8, 8) of fx, fy, cx, cy, skew (pixels) and the rotation error vector in the gripper frame (rad); rows
-            of fixed parameters are zero. Image noise, estimated from the residuals, is covered; the robot's errors are not.
+            of fixed parameters are zero. Covers image noise and, where the residuals show it, jitter of the reported
+                orientations, both estimated; not other errors of the robot.
 
     Raises:
         error: wrong input (StsBadArg, StsBadSize, StsOutOfRange); StsNoConv when the data cannot answer; the text says
             what is missing, directions in base coordinates.
 
-    Source: doc/method, calibrateHandEyeTranslations; the paper's equations (14) to (18).
+    Source: doc/method/translations.md; the paper's equations (14) to (18).
     """
 
 def calibrateLightPlane(
@@ -269,7 +270,7 @@ def calibrateLightPlane(
         error: wrong input (StsBadArg, StsBadSize, StsOutOfRange); StsNoConv when the stripes do not determine the
             plane; the text says what is missing, directions in base coordinates.
 
-    Source: doc/method, calibrateLightPlane; the paper's equations (22), (25), (30), (31).
+    Source: doc/method/light_plane.md; the paper's equations (22), (25), (30), (31).
     """
 
 def detectStripe(
@@ -291,8 +292,6 @@ def detectStripe(
 
     Raises:
         error: an empty image, an unsupported type, a background of another shape or type, parameters out of range.
-
-    Source: doc/method, detectStripe.
     """
 
 def estimateFOE(
@@ -331,7 +330,7 @@ def estimateFOE(
         error: wrong input (StsBadArg, StsBadSize, StsOutOfRange); StsNoConv when the matches cannot answer: fewer
             than two, no parallax, or all displacements on one line.
 
-    Source: doc/method, estimateFOE; the paper's equation (3).
+    Source: doc/method/foe.md; the paper's equation (3).
     """
 
 def groupViews(
@@ -378,8 +377,6 @@ def splitStripe(
 
     Raises:
         error: wrong input.
-
-    Source: doc/method, splitStripe.
     """
 
 FOE_LEAST_SQUARES: int = 0
