@@ -23,8 +23,6 @@ calibration, evidence = calibrate_with_evidence(dataset)
 calibration.save(folder / "calibration.yaml")
 
 print(f"{calibration.points} points, {calibration.observations} observations, RMS {calibration.rms}")
-print(
-    f"fx = {calibration.camera_matrix[0, 0]:.2f} +- {calibration.standard_deviation('fx'):.2f} px (image noise alone)"
-)
+print(f"fx = {calibration.camera_matrix[0, 0]:.2f} +- {calibration.standard_deviation('fx'):.2f} px")
 print(calibration_errors(calibration, truth))
 print(*draw_pictures(folder / "pictures", dataset, calibration, evidence), sep="\n")

@@ -23,7 +23,7 @@ from ..workflow import Comparison
 if TYPE_CHECKING:
     from ..workflow.demo import DemoResult
 
-SIGMA_NOTE = "* from image noise alone: the robot's poses and the earlier steps are taken as exact"
+SIGMA_NOTE = "* from image noise and jitter of the robot's orientations; the earlier steps are taken as exact"
 
 Values = dict[str, tuple[float, str, int]]
 """Name -> (value, unit, digits after the point)."""
