@@ -216,6 +216,20 @@ TEST(ActiveHandEye_detectStripe, DoublePeakColumnsAreLeftOut)
     EXPECT_LE(a.rmse, 0.02);
 }
 
+TEST(ActiveHandEye_detectStripe, TwoStripesThatTouchAreLeftOut)
+{
+    StripeImage scene, step;
+    scene.noise = 1;
+    step.centre = [&](int x) { return scene.centre(x) + 5; };
+    step.albedo = [](int x, int) { return x >= 300 && x < 320 ? 0.9 : 0.; };
+    step.offset = 0;
+    Mat points, sigmas;
+    detectStripe(scene.render(true) + step.render(true), points, sigmas);
+    const Accuracy a = accuracy(points, sigmas, scene.centre);
+    EXPECT_EQ(620u, a.count);
+    EXPECT_LE(a.rmse, 1.2 * scene.bound());
+}
+
 TEST(ActiveHandEye_detectStripe, NoStripeGivesNoPoints)
 {
     StripeImage scene;
