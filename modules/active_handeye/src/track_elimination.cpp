@@ -33,12 +33,13 @@ void TranslationModel::addProduct(const Matrix3d& M, Eigen::Matrix<double, 3, 9>
 void Tracks::add(const std::vector<Pixels>& pixels, const std::vector<int>& views)
 {
     const size_t points = pixels[0].size();
+    observations.reserve(pixels.size() * points); // at once: memory that grows in steps costs as much as the solution
     for (size_t point = 0; point < points; ++point)
     {
         for (int view : views)
             if (!std::isnan(pixels[view][point].x()))
                 observations.push_back(Observation{view, int(point), pixels[view][point], pixels[view][point],
-                                                   Matrix3d()});
+                                                   Matrix3d::Zero()});
         if (int(observations.size()) - first.back() >= 2)
             first.push_back(int(observations.size()));
         else
@@ -142,8 +143,9 @@ eliminateTracks(const Tracks& tracks, const AlignedVector<Model>& models, const 
         if (!points[j].usable())
             continue;
         points[j].solveLower(Zp);
-        for (int row = 0; row < 3; ++row)
-            S -= (Zp.row(row).transpose() * Zp.row(row)).eval();
+        for (int i = 0; i < Q; ++i)
+            for (int k = 0; k < Q; ++k)
+                S(k, i) -= Zp(0, k) * Zp(0, i) + Zp(1, k) * Zp(1, i) + Zp(2, k) * Zp(2, i);
         for (int o = tracks.first[j]; o < tracks.first[j + 1]; ++o)
             perView[tracks.observations[o].view] += weights[o] * tracks.observations[o].form;
     }

@@ -69,13 +69,13 @@ public:
     //! Views of one orientation, the camera displaced by `offsets` from where it looks at the middle of the points from 550 mm.
     void addGroup(const Vec3d& turn, const vector<Vec3d>& offsets)
     {
-        const Matx33d R = rotation(turn) * rotation(Vec3d(3.1, 0.1, 0.05));
-        const Matx33d cameraToBase = R * R_cam2gripper;
+        const Matx33d gripperToBase = rotation(turn) * rotation(Vec3d(3.1, 0.1, 0.05));
+        const Matx33d cameraToBase = gripperToBase * R_cam2gripper;
         for (const Vec3d& offset : offsets)
         {
             const Vec3d camera = Vec3d(300, 0, 0) - cameraToBase * Vec3d(0, 0, 550) + cameraToBase * offset;
-            this->R.push_back(Mat(R));
-            t.push_back(Mat(Vec3d(camera - R * t_cam2gripper)));
+            R.push_back(Mat(gripperToBase));
+            t.push_back(Mat(Vec3d(camera - gripperToBase * t_cam2gripper)));
         }
     }
 
