@@ -21,6 +21,8 @@ std::string typeName(const py::object& values)
 
 py::array asArray(const py::object& values, const std::string& name)
 {
+    if (py::isinstance<py::array>(values))
+        return py::reinterpret_borrow<py::array>(values);
     try
     {
         return py::module_::import("numpy").attr("asarray")(values);

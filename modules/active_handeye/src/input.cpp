@@ -43,6 +43,12 @@ Matrix3d toRotation(const Numbers& numbers, const std::string& name)
     return Eigen::Quaterniond(R).normalized().toRotationMatrix();
 }
 
+//! "name[i]"; made for every item of every list, and cv::format() takes four times as long.
+std::string itemName(const std::string& name, size_t i)
+{
+    return name + "[" + std::to_string(i) + "]";
+}
+
 Vector3d toVector3(const Numbers& numbers, const std::string& name)
 {
     requireFinite(numbers, name);
@@ -56,6 +62,7 @@ Pixels toPixels(const Numbers& numbers, const std::string& name)
     if (!numbers.values.empty() && numbers.rowLength != 2)
         CV_Error(Error::StsBadSize, name + ": needed N x 2 pixels, given " + numbers.shape);
     Pixels pixels;
+    pixels.reserve(numbers.values.size() / 2);
     for (size_t i = 0; i < numbers.values.size(); i += 2)
         pixels.push_back(Vector2d(numbers.values[i], numbers.values[i + 1]));
     return pixels;
@@ -118,7 +125,7 @@ std::vector<Matrix3d> readRotations(InputArrayOfArrays R, const char* name)
     const std::vector<Numbers> list = readList(R);
     std::vector<Matrix3d> rotations;
     for (size_t i = 0; i < list.size(); ++i)
-        rotations.push_back(toRotation(list[i], cv::format("%s[%d]", name, int(i))));
+        rotations.push_back(toRotation(list[i], itemName(name, i)));
     return rotations;
 }
 
@@ -136,7 +143,7 @@ AlignedVector<Pose> readRobotPoses(InputArrayOfArrays R_gripper2base, InputArray
                  cv::format("R_gripper2base: needed at least 2 views, given %d", int(rotations.size())));
     AlignedVector<Pose> poses;
     for (size_t i = 0; i < rotations.size(); ++i)
-        poses.push_back(Pose{rotations[i], toVector3(translations[i], cv::format("t_gripper2base[%d]", int(i)))});
+        poses.push_back(Pose{rotations[i], toVector3(translations[i], itemName("t_gripper2base", i))});
     requireOneUnit(poses);
     return poses;
 }
@@ -166,7 +173,7 @@ std::vector<Pixels> readPixelLists(InputArrayOfArrays points, const char* name)
     std::vector<Pixels> result;
     for (size_t i = 0; i < list.size(); ++i)
     {
-        const std::string item = cv::format("%s[%d]", name, int(i));
+        const std::string item = itemName(name, i);
         requireFinite(list[i], item);
         result.push_back(toPixels(list[i], item));
     }
@@ -182,7 +189,7 @@ std::vector<Pixels> readImagePoints(InputArrayOfArrays imagePoints, size_t views
     std::vector<Pixels> result;
     for (size_t view = 0; view < views; ++view)
     {
-        const std::string item = cv::format("imagePoints[%d]", int(view));
+        const std::string item = itemName("imagePoints", view);
         result.push_back(toPixels(list[view], item));
         if (result[view].size() != result[0].size())
             CV_Error(

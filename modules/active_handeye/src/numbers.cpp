@@ -11,8 +11,8 @@ static std::string shapeOf(const Mat& m)
 {
     std::string shape;
     for (int d = 0; d < m.dims; ++d)
-        shape += cv::format("%s%d", d ? " x " : "", m.size[d]);
-    return m.channels() > 1 ? shape + cv::format(" of %d channels", m.channels()) : shape;
+        shape += (d ? " x " : "") + std::to_string(m.size[d]);
+    return m.channels() > 1 ? shape + " of " + std::to_string(m.channels()) + " channels" : shape;
 }
 
 Numbers numbersOf(const Mat& m)
