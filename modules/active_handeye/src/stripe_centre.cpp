@@ -68,6 +68,24 @@ bool fitLinearPart(const StripeWindow& window, StripeProfile& p)
     return p.height > 0;
 }
 
+typedef Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4, 4> Small; // no allocation
+typedef Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4, 1> SmallVector;
+
+//! Standard deviation and misfit at the solution; false when the centre is not observed or the residuals are not those of one peak.
+bool assess(const Normal& normal, const Eigen::LDLT<Small>& ldlt, double pixelNoise, StripeProfile& profile)
+{
+    // noise: the residuals here, held by the noise of the image because they are few
+    const double priorFreedom = 4;
+    const int unknowns = int(ldlt.rows()), freedom = normal.pixels - unknowns;
+    const double variance =
+        (normal.squares + priorFreedom * pixelNoise * pixelNoise) / (std::max(0, freedom) + priorFreedom);
+    const SmallVector column = ldlt.solve(SmallVector::Unit(unknowns, CENTRE));
+    profile.centreSigma = std::sqrt(variance * column(CENTRE));
+    profile.misfit = std::sqrt(normal.squares / std::max(1, freedom));
+    const bool isObserved = profile.centreSigma > 0 && profile.centreSigma < profile.sigma; // also false for NaN
+    return isObserved && freedom > 0 && profile.misfit <= std::max(4 * pixelNoise, 0.2 * profile.height);
+}
+
 } // namespace
 
 bool fitStripeProfile(const StripeWindow& window, double pixelNoise, bool fitSigma, StripeProfile& profile)
@@ -79,9 +97,8 @@ bool fitStripeProfile(const StripeWindow& window, double pixelNoise, bool fitSig
     for (int iteration = 0; iteration < maxIterations; ++iteration)
     {
         const Normal normal = normalEquations(window, profile);
-        const Eigen::MatrixXd A = normal.A.topLeftCorner(unknowns, unknowns);
-        const Eigen::LDLT<Eigen::MatrixXd> ldlt(A);
-        const Eigen::VectorXd step = ldlt.solve(normal.b.head(unknowns));
+        const Eigen::LDLT<Small> ldlt(normal.A.topLeftCorner(unknowns, unknowns));
+        const SmallVector step = ldlt.solve(normal.b.head(unknowns));
         const double move = std::max(-profile.sigma, std::min(profile.sigma, step(CENTRE)));
         if (!std::isfinite(move))
             return false;
@@ -94,15 +111,7 @@ bool fitStripeProfile(const StripeWindow& window, double pixelNoise, bool fitSig
         const double sigmaMove = fitSigma ? std::abs(step(SIGMA)) : 0;
         if (std::abs(move) > 1e-7 || (sigmaMove > 1e-4 && profile.sigma > smallest && profile.sigma < largest))
             continue;
-        // noise: the residuals here, held by the noise of the image because they are few
-        const double priorFreedom = 4;
-        const int freedom = normal.pixels - unknowns;
-        const double variance =
-            (normal.squares + priorFreedom * pixelNoise * pixelNoise) / (std::max(0, freedom) + priorFreedom);
-        profile.centreSigma = std::sqrt(variance * ldlt.solve(Eigen::VectorXd::Unit(unknowns, CENTRE))(CENTRE));
-        profile.misfit = std::sqrt(normal.squares / std::max(1, freedom));
-        const bool isOnePeak = freedom > 0 && profile.misfit <= std::max(4 * pixelNoise, 0.2 * profile.height);
-        return isOnePeak && std::abs(profile.centre - start) <= 0.5 * window.size();
+        return assess(normal, ldlt, pixelNoise, profile) && std::abs(profile.centre - start) <= 0.5 * window.size();
     }
     return false;
 }
