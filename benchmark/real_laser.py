@@ -17,7 +17,7 @@ from cv_active_handeye.workflow.compare import BoardCamera, board_poses
 from .report import Cell, Table
 
 Array = NDArray[np.float64]
-SIGMA_PX = 6.0
+SIGMA_PX = 4.0
 MAX_DISTANCE = 0.05
 """Stripe points farther than this (m) from the board's centre may lie on something else."""
 

@@ -67,6 +67,15 @@ TrackFit<Model> fitTracks(TrackProblem<Model>& problem)
     return fit;
 }
 
+template <class Model>
+double rmsOfTracks(TrackProblem<Model>& problem)
+{
+    TrackFitter<Model> fitter(problem);
+    fitter.run();
+    return fitter.result().rms();
+}
+
+template double rmsOfTracks<TranslationModel>(TrackProblem<TranslationModel>&);
 template TrackFit<TranslationModel> fitTracks<TranslationModel>(TrackProblem<TranslationModel>&);
 template TrackFit<RotationModel> fitTracks<RotationModel>(TrackProblem<RotationModel>&);
 

@@ -62,6 +62,10 @@ struct TrackFit
 template <class Model>
 TrackFit<Model> fitTracks(TrackProblem<Model>& problem);
 
+//! RMS residual of a p that is given (minimize() returns it), wrong observations left out; nothing is refused.
+template <class Model>
+double rmsOfTracks(TrackProblem<Model>& problem);
+
 }} // namespace cv::active_handeye
 
 #endif

@@ -63,9 +63,12 @@ public:
         }
     }
 
-    //! The image of some view moved as a whole, clearly more than independent noise explains.
+    //! The image of some view moved as a whole, clearly more than independent noise explains, but by no more than image noise is: a robot that
+    //! is farther off does not jitter, its poses are wrong.
     bool viewsJitter() const
     {
+        if (typicalResidual_ > largeNoise())
+            return false;
         const TrackFit<Model> fit = result();
         const double variance = std::pow(std::max(fit.sigma(Model::parameters), rounding()), 2);
         double chiSquare = 0;
@@ -154,6 +157,7 @@ private:
     }
 
     double rounding() const { return 1e-7 / problem_.pixelsPerUnit; }
+    double largeNoise() const { return 0.5 / problem_.pixelsPerUnit; } //!< of image points, half a pixel
 
     //! Tries every set of `size` views; keeps the best one when it lowers the typical residual decisively.
     bool excludeBest(int size)
@@ -301,9 +305,8 @@ private:
     //! Either one view is mostly outliers, or the residuals are larger than image noise is.
     bool aViewIsSuspect() const
     {
-        const double largeNoise = 0.5, largeShare = 0.02; // pixels; part of the parallax
-        bool suspect =
-            typicalResidual_ * problem_.pixelsPerUnit > largeNoise || typicalResidual_ > largeShare * parallax_;
+        const double largeShare = 0.02;
+        bool suspect = typicalResidual_ > largeNoise() || typicalResidual_ > largeShare * parallax_;
         for (size_t view = 0; view < excluded_.size(); ++view)
             suspect = suspect || (observed_[view] && !excluded_[view] && mostlyOutliers(view));
         return suspect;

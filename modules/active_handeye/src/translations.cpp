@@ -178,8 +178,7 @@ Estimate estimateFromFOEs(const GroupTranslations& motion, const std::vector<Pix
     const int redundancy = 2 * int(expansions.size()) - solver.freeCount();
     const double misfit = redundancy > 0 ? std::sqrt(std::max(p.dot(S * p), 0.) / redundancy) : 1;
     GivenProjection given(motion, pixels, T, solver, projection);
-    const TrackFit<TranslationModel> fit = fitTracks(given);
-    return Estimate{projection, solver.covariance(projection, S, std::max(misfit, 1.)), fit.rms() / T.scale};
+    return Estimate{projection, solver.covariance(projection, S, std::max(misfit, 1.)), rmsOfTracks(given) / T.scale};
 }
 
 Estimate estimateOnce(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Camera& camera,
