@@ -13,6 +13,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import cv2
 import numpy as np
@@ -75,7 +76,7 @@ def against_opencv(seed: int, rounds: int) -> tuple[Table, Measure]:
     scene = random_scene(np.random.default_rng([seed, 0]), POINTS, (4,) * (VIEWS // 4))
     poses = board_poses(VIEWS, seed)
     methods = (cv2.CALIB_HAND_EYE_TSAI, cv2.CALIB_HAND_EYE_PARK)
-    theirs: list[Call] = [lambda method=method: cv2.calibrateHandEye(*poses, method=method) for method in methods]  # type: ignore[misc]
+    theirs: list[Call] = [partial(cv2.calibrateHandEye, *poses, method=method) for method in methods]
     translations, rotation, tsai, park = fastest([*closed_forms(scene, seed), *theirs], rounds)
     chain, opencv = translations + rotation, min(tsai, park)
     rows: list[list[Cell]] = [

@@ -244,6 +244,7 @@ class Dataset:
             self._check_pixels(name, pixels)
         except ValueError as error:
             raise FileFormatError(str(error)) from error
+        # _check_pixels has refused every other element type, which mypy cannot see.
         return pixels  # type: ignore[return-value]
 
     def _check_pixels(self, name: str, pixels: Any) -> None:

@@ -17,6 +17,7 @@ from ..files import FloatArray
 class TrueValues(Protocol):
     """What is compared; `simulation.Truth` has it."""
 
+    # The names say it all; their shapes stand in simulation.Truth.
     @property
     def camera_matrix(self) -> FloatArray: ...  # noqa: D102
     @property

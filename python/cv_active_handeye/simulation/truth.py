@@ -49,6 +49,7 @@ class Truth(BaseModel):
     schema_version: Literal[1] = 1
     units: Literal["m"] = "m"
     seed: int
+    # _array makes a type with the shape in its check; mypy takes only types it knows beforehand.
     camera_matrix: _array(3, 3)  # type: ignore[valid-type]
     distortion_coefficients: _array(5)  # type: ignore[valid-type]
     R_cam2gripper: Rotation

@@ -19,7 +19,7 @@ from .evidence import Evidence
 
 
 def draw_pictures(folder: Path, dataset: Dataset, calibration: Calibration, evidence: Evidence) -> tuple[Path, ...]:
-    """Draws what the recording allows: tracks, motion, and the stripe of the view with the most segments."""
+    """Draws what the recording allows: tracks, motion, and the stripe of the view with most segments on known surfaces."""
     group_ids = cah.groupViews(dataset.R_gripper2base).reshape(-1)
     drawn = [folder / "motion.png"]
     K = calibration.camera_matrix
@@ -40,7 +40,8 @@ def draw_pictures(folder: Path, dataset: Dataset, calibration: Calibration, evid
         drawn.append(folder / "tracks.png")
         picture_tracks(folder / "tracks.png", image, evidence.image_points, view, group)
     if evidence.segments:
-        numbers = [segment.view for segment in evidence.segments]
+        known = [segment.view for segment in evidence.segments if segment.surface >= 0]
+        numbers = known or [segment.view for segment in evidence.segments]
         view = max(set(numbers), key=lambda number: (numbers.count(number), -number))
         segments = [(s.points, s.surface) for s in evidence.segments if s.view == view]
         image = dataset.laser_image(view)
