@@ -19,7 +19,7 @@ from .evidence import Evidence
 
 
 def draw_pictures(folder: Path, dataset: Dataset, calibration: Calibration, evidence: Evidence) -> tuple[Path, ...]:
-    """Draws what the recording allows: tracks, motion, and the stripe of the view with most segments on known surfaces."""
+    """Draws what the recording allows: tracks, motion, and the stripe of the view with most known surfaces."""
     group_ids = cah.groupViews(dataset.R_gripper2base).reshape(-1)
     drawn = [folder / "motion.png"]
     K = calibration.camera_matrix
