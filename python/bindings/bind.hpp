@@ -15,6 +15,7 @@ void bindTranslations(pybind11::module_& m);
 void bindRotation(pybind11::module_& m);
 void bindLightPlane(pybind11::module_& m);
 void bindStripe(pybind11::module_& m);
+void bindRefine(pybind11::module_& m);
 
 } // namespace active_handeye_python
 

@@ -16,4 +16,5 @@ PYBIND11_MODULE(_core, m)
     bindRotation(m);
     bindLightPlane(m);
     bindStripe(m);
+    bindRefine(m);
 }

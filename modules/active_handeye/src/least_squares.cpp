@@ -7,7 +7,7 @@
 
 namespace cv { namespace active_handeye {
 
-LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxIterations)
+LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxIterations, double tolerance)
 {
     LeastSquaresSummary summary;
     summary.converged = false;
@@ -21,16 +21,23 @@ LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxItera
         Eigen::MatrixXd damped = summary.JtJ;
         damped.diagonal() +=
             damping * (summary.JtJ.diagonal().array() + 1e-12 * summary.JtJ.diagonal().maxCoeff() + 1e-300).matrix();
-        const Eigen::VectorXd step = -damped.ldlt().solve(Jtr);
+        const Eigen::LLT<Eigen::MatrixXd> llt(damped);
+        if (llt.info() != Eigen::Success)
+        {
+            summary.converged = damping > maxDamping;
+            damping *= 10;
+            continue;
+        }
+        const Eigen::VectorXd step = -llt.solve(Jtr);
         const double cost = problem.costAfter(step);
         const double predictedDecrease = -step.dot(Jtr);
         if (!(cost < summary.cost))
         {
-            summary.converged = predictedDecrease <= 1e-14 * summary.cost || damping > maxDamping;
+            summary.converged = predictedDecrease <= tolerance * summary.cost || damping > maxDamping;
             damping *= 10;
             continue;
         }
-        summary.converged = summary.cost - cost <= 1e-14 * summary.cost;
+        summary.converged = summary.cost - cost <= tolerance * summary.cost;
         problem.apply(step);
         summary.cost = problem.linearize(summary.JtJ, Jtr);
         damping = std::max(damping * 0.1, 1e-12);

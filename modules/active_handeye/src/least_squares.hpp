@@ -34,8 +34,8 @@ struct LeastSquaresSummary
     Eigen::MatrixXd JtJ; //!< at the solution; its inverse times the variance of r is the covariance
 };
 
-//! Levenberg-Marquardt; stops when a step no longer lowers the cost measurably.
-LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxIterations = 50);
+//! Levenberg-Marquardt; stops when a step lowers the cost by no more than `tolerance` of it.
+LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxIterations = 50, double tolerance = 1e-14);
 
 }} // namespace cv::active_handeye
 

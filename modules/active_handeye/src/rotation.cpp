@@ -6,6 +6,7 @@
 #include "motion_groups.hpp"
 #include "normalization.hpp"
 #include "track_fit.hpp"
+#include "turn_directions.hpp"
 
 namespace cv { namespace active_handeye {
 
@@ -16,33 +17,6 @@ using Eigen::Vector3d;
 using Eigen::Vector4d;
 
 namespace {
-
-const double smallestTurn = 0.1; // degrees: less does not count as a change of orientation
-
-//! Which directions of t_cam2gripper the changes of orientation show.
-struct TurnDirections
-{
-    explicit TurnDirections(const AlignedVector<Pose>& gripper2base)
-    {
-        Matrix3d mean = Matrix3d::Zero(), scatter = Matrix3d::Zero();
-        for (const Pose& pose : gripper2base)
-            mean += pose.R / double(gripper2base.size());
-        for (const Pose& pose : gripper2base)
-            scatter += (pose.R - mean).transpose() * (pose.R - mean) / double(gripper2base.size());
-        const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(scatter); // ascending
-        const double threshold = std::pow(smallestTurn * CV_PI / 180, 2);
-        int rank = 0;
-        while (rank < 3 && eigen.eigenvalues()[2 - rank] > threshold)
-            ++rank;
-        observed = eigen.eigenvectors().rightCols(rank);
-        axis = eigen.eigenvectors().col(0);
-        axisInBase = (mean * axis).normalized();
-    }
-
-    MatrixXd observed; //!< 3 x rank basis, gripper frame
-    Vector3d axis;     //!< the direction least observed: the common axis of all turns, gripper frame
-    Vector3d axisInBase;
-};
 
 //! Residuals linear in X_j and t (doc/method/rotation.md): p = (t, 1), lengths in units of the spread of the gripper positions.
 class RotationProblem : public TrackProblem<RotationModel>

@@ -10,6 +10,7 @@
 #include "opencv2/active_handeye/rotation.hpp"
 #include "opencv2/active_handeye/stripe.hpp"
 #include "opencv2/active_handeye/light_plane.hpp"
+#include "opencv2/active_handeye/refine.hpp"
 
 /**
 @defgroup active_handeye Calibration of a robot's camera and laser without a calibration target

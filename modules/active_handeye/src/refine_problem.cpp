@@ -1,0 +1,244 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include "refine_problem.hpp"
+#include "residuals.hpp"
+
+namespace cv { namespace active_handeye {
+
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::Vector4d;
+using Eigen::VectorXd;
+
+static const double infinity = std::numeric_limits<double>::infinity();
+
+int RefineUnknowns::poseColumn(int view) const
+{
+    if (poses[view] == POSE_EXACT)
+        return -1;
+    int column = surfaceColumn(surfaces);
+    for (int i = 0; i < view; ++i)
+        column += poses[i] == POSE_EXACT ? 0 : 6;
+    return column;
+}
+
+int RefineUnknowns::count() const
+{
+    const int movable = int(poses.size() - std::count(poses.begin(), poses.end(), POSE_EXACT));
+    return surfaceColumn(surfaces) + 6 * movable;
+}
+
+RefineProblem::RefineProblem(SceneTracks& tracks_, StripeSegments& segments_, const AlignedVector<Pose>& reported_,
+                             const CalibrationState& start, double huberThreshold)
+    : tracks(tracks_), segments(segments_), reported(reported_), state(start), huberThreshold_(huberThreshold)
+{
+    for (int track = 0; track < tracks.count(); ++track)
+        order_.push_back(track);
+    const auto sameViewsTogether = [this](int a, int b)
+    {
+        const auto byView = [](const PointObservation& p, const PointObservation& q) { return p.view < q.view; };
+        const auto observations = tracks.observations.begin();
+        return std::lexicographical_compare(observations + tracks.first[a], observations + tracks.first[a + 1],
+                                            observations + tracks.first[b], observations + tracks.first[b + 1], byView);
+    };
+    std::stable_sort(order_.begin(), order_.end(), sameViewsTogether);
+}
+
+Vector6d RefineProblem::correction(int view) const
+{
+    Vector6d result;
+    result << logRotation(state.gripper2base[view].R * reported[view].R.transpose()),
+        state.gripper2base[view].t - reported[view].t;
+    return result;
+}
+
+double RefineProblem::huberCost(double r) const
+{
+    const double k = huberThreshold_ * noise.point;
+    return r <= k ? r * r : k * (2 * r - k);
+}
+
+double RefineProblem::trackCost(int track, const CameraViews& views, const Camera& camera, const Vector3d& X) const
+{
+    double sum = 0;
+    for (int i = tracks.first[track]; i < tracks.first[track + 1]; ++i)
+    {
+        const PointObservation& o = tracks.observations[i];
+        if (!o.used)
+            continue;
+        Vector2d error;
+        if (!PointResidual::evaluate(camera, views[o.view], X, o.pixel, error))
+            return infinity;
+        sum += huberCost(error.norm() * o.inverseSigma);
+    }
+    return sum;
+}
+
+//! One Gauss-Newton step of a scene point, shortened until it does no harm. Returns the cost of its track.
+double RefineProblem::movePoint(int track, const CameraViews& views, const Camera& camera, Vector3d& X) const
+{
+    Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+    Vector3d b = Vector3d::Zero();
+    double before = 0;
+    for (int i = tracks.first[track]; i < tracks.first[track + 1]; ++i)
+    {
+        const PointObservation& o = tracks.observations[i];
+        if (!o.used)
+            continue;
+        PointResidual residual;
+        if (!residual.linearizePoint(camera, views[o.view], X, o.pixel))
+            return infinity;
+        const double r = residual.error.norm() * o.inverseSigma, k = huberThreshold_ * noise.point;
+        const double information = o.inverseSigma * o.inverseSigma;
+        A.noalias() += information * residual.byPoint.transpose() * residual.byPoint;
+        b.noalias() += information * std::min(1., k / r) * residual.byPoint.transpose() * residual.error;
+        before += huberCost(r);
+    }
+    const Vector3d step = -A.ldlt().solve(b);
+    for (double length = 1; length > 0.1; length *= 0.5)
+    {
+        const Vector3d candidate = X + length * step;
+        const double after = trackCost(track, views, camera, candidate);
+        if (after <= before)
+        {
+            X = candidate;
+            return after;
+        }
+    }
+    return before;
+}
+
+CalibrationState RefineProblem::moved(const VectorXd& step) const
+{
+    CalibrationState result = state;
+    result.calibration = state.calibration.moved(unknowns.calibration * step.head(unknowns.calibration.cols()));
+    if (unknowns.object)
+        result.object2base = active_handeye::moved(state.object2base, step.segment<6>(unknowns.objectColumn()));
+    for (int s = 0; s < unknowns.surfaces; ++s)
+    {
+        const Vector4d& plane = state.surfaces[s];
+        result.surfaces[s] = (plane + surfaceTangent(plane) * step.segment<3>(unknowns.surfaceColumn(s))).normalized();
+    }
+    for (int view = 0; view < int(reported.size()); ++view)
+        if (unknowns.poses[view] != POSE_EXACT)
+            result.gripper2base[view] =
+                active_handeye::moved(state.gripper2base[view], step.segment<6>(unknowns.poseColumn(view)));
+    for (int track = 0; track < tracks.count(); ++track)
+        if (tracks.isKnown(track))
+            result.points[track] = result.object2base.R * tracks.known[track] + result.object2base.t;
+    return result;
+}
+
+double RefineProblem::pointCost(const CalibrationState& at) const
+{
+    const CameraViews views = at.views();
+    double sum = 0;
+    for (int track = 0; track < tracks.count(); ++track)
+        if (tracks.isUsed(track))
+            sum += trackCost(track, views, at.calibration.camera, at.points[track]);
+    return sum / (meanSlope_ * noise.point * noise.point);
+}
+
+double RefineProblem::stripeCost(const CalibrationState& at) const
+{
+    if (segments.empty())
+        return 0;
+    const CameraViews views = at.views();
+    double sum = 0;
+    for (const StripeSegment& segment : segments)
+        for (int end = 0; segment.used && end < 2; ++end)
+        {
+            StripeResidual residual;
+            if (!residual.linearize(at.calibration, views[segment.view], at.surfaces[segment.surface], segment.ends[end]))
+                return infinity;
+            sum += std::pow(residual.error * segment.inverseSigma / noise.stripe, 2);
+        }
+    return at.calibration.light.d > 0 ? sum : infinity;
+}
+
+double RefineProblem::priorCost(const CalibrationState& at) const
+{
+    double sum = 0;
+    for (size_t view = 0; view < reported.size(); ++view)
+        if (unknowns.poses[view] == POSE_PRIOR)
+        {
+            const Vector3d w = logRotation(at.gripper2base[view].R * reported[view].R.transpose());
+            sum += w.squaredNorm() / (noise.rotation * noise.rotation);
+            sum += (at.gripper2base[view].t - reported[view].t).squaredNorm() / (noise.translation * noise.translation);
+        }
+    return sum;
+}
+
+double RefineProblem::cost(const CalibrationState& at) const
+{
+    const double sum = pointCost(at) + stripeCost(at) + priorCost(at);
+    return std::isfinite(sum) ? sum : infinity;
+}
+
+double RefineProblem::costAfter(const VectorXd& step) const
+{
+    trial_ = moved(step);
+    const CameraViews views = trial_.views();
+    const Camera& camera = trial_.calibration.camera;
+    if (!(camera.K(0, 0) > 0 && camera.K(1, 1) > 0))
+        return infinity;
+    double sum = 0;
+    for (int track = 0; track < tracks.count() && sum < infinity; ++track)
+        if (tracks.isUsed(track))
+            sum += tracks.isKnown(track) ? trackCost(track, views, camera, trial_.points[track])
+                                         : movePoint(track, views, camera, trial_.points[track]);
+    sum /= meanSlope_ * noise.point * noise.point;
+    sum += sum < infinity ? stripeCost(trial_) + priorCost(trial_) : 0;
+    return std::isfinite(sum) ? sum : infinity;
+}
+
+void RefineProblem::apply(const VectorXd&)
+{
+    state = trial_; // of costAfter() for the same step
+}
+
+void RefineProblem::updateClipping()
+{
+    const double k = huberThreshold_ * noise.point;
+    const std::vector<double> errors = normalizedErrors(tracks, state);
+    double slopes = 0;
+    int used = 0;
+    for (int track = 0; track < tracks.count(); ++track)
+        for (int i = tracks.first[track]; tracks.isUsed(track) && i < tracks.first[track + 1]; ++i)
+            if (tracks.observations[i].used)
+            {
+                slopes += errors[i] <= k ? 1 : 0.5 * k / errors[i];
+                ++used;
+            }
+    meanSlope_ = used ? std::max(0.1, slopes / used) : 1;
+}
+
+double RefineProblem::linearize(MatrixXd& JtJ, VectorXd& Jtr)
+{
+    linearizeData();
+    const double pointWeight = 1 / (noise.point * noise.point), stripeWeight = 1 / (noise.stripe * noise.stripe);
+    JtJ = pointWeight * points_.JtJ;
+    Jtr = pointWeight * points_.Jtr;
+    if (unknowns.surfaces > 0)
+    {
+        JtJ += stripeWeight * stripes_.JtJ;
+        Jtr += stripeWeight * stripes_.Jtr;
+    }
+    for (int view = 0; view < int(reported.size()); ++view)
+        if (unknowns.poses[view] == POSE_PRIOR)
+        {
+            const int column = unknowns.poseColumn(view);
+            Vector6d precision;
+            precision << Vector3d::Constant(1 / (noise.rotation * noise.rotation)),
+                Vector3d::Constant(1 / (noise.translation * noise.translation));
+            JtJ.diagonal().segment<6>(column) += precision;
+            Jtr.segment<6>(column) += precision.cwiseProduct(correction(view));
+        }
+    return cost(state);
+}
+
+}} // namespace cv::active_handeye

@@ -1,0 +1,104 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#ifndef OPENCV_ACTIVE_HANDEYE_REFINEMENT_HPP
+#define OPENCV_ACTIVE_HANDEYE_REFINEMENT_HPP
+
+#include "noise_levels.hpp"
+#include "refine_input.hpp"
+#include "turn_directions.hpp"
+
+#include <memory>
+
+namespace cv { namespace active_handeye {
+
+//! Evidence for one lens model: whether the coefficients that it lacks are there.
+struct LensTest
+{
+    double statistic = 0, pValue = 1;
+    int lacking = 0;
+
+    //! Akaike's, up to a constant: -2 log likelihood + 2 x coefficients.
+    double informationCriterion() const { return statistic - 2 * lacking; }
+};
+
+enum
+{
+    LENS_MODELS = LENS_K3 + 1
+};
+
+//! How many of k1, k2, p1, p2, k3 a lens model estimates.
+int lensCoefficients(int lensModel);
+
+//! The steps of refineHandEye(), in the order of their use.
+class HandEyeRefinement
+{
+public:
+    HandEyeRefinement(const RefineMeasurements& measurements, const RefineParams& params,
+                      const HandEyeCalibration& start);
+
+    //! Scene points, wrong matches, first noise levels.
+    void findScene();
+
+    //! Maximum likelihood from the points, with the views that are not believed and the lens model.
+    void fitPoints();
+
+    //! Takes the stripes in, from a first light plane on.
+    void fitStripes(const LightPlane& start);
+
+    //! Throws StsNoConv when something is not determined.
+    void requireAnswer();
+
+    void summarize(RefineSummary& summary) const;
+
+    const HandEyeCalibration& calibration() const { return problem_.state.calibration; }
+    double rms() const;
+
+private:
+    void setUnknowns();
+    void fit(double tolerance);
+    bool leaveOut(double limit);
+    void leaveOutUnseenViews(const std::vector<double>& errors, double limit);
+    void fitWithoutWrongMatches();
+    void doubtViews();
+    double viewStatistic(int view, const Eigen::Matrix<double, 6, 6>& predicted) const;
+    Eigen::Matrix<double, 6, 6> priorCovariance() const;
+    Eigen::Matrix<double, 6, 6> poseCovariance(int view) const;
+    void testLens();
+    int lensOfTests() const;
+    void chooseLens();
+    void addSegments();
+    void placeSurfaces();
+    bool leaveOutSegments();
+    void compactSurfaces();
+    double workingDistance() const;
+    bool isLevelGiven(int component) const;
+
+    Eigen::MatrixXd calibrationCovariance() const; //!< of the 19 columns, unobserved directions left out
+    void summarizeParameters(RefineSummary& summary) const;
+    void summarizeNoise(RefineSummary& summary) const;
+    void summarizeResiduals(RefineSummary& summary) const;
+    void summarizeStripes(RefineSummary& summary) const;
+    void summarizeVerdict(RefineSummary& summary) const;
+
+    const RefineMeasurements& measurements_;
+    const RefineParams& params_;
+    const TurnDirections turns_;
+    const HandEyeCalibration start_;
+    SceneTracks tracks_;
+    StripeSegments segments_;
+    RefineProblem problem_;
+    std::unique_ptr<VarianceComponents> components_;
+    int lensModel_;
+    LensTest lensTests_[LENS_MODELS];
+    bool useStripes_ = false, converged_ = false;
+    int iterations_ = 0;
+    std::vector<std::string> culprits_, weakDirections_;
+    std::vector<int> doubtedViews_;
+    std::vector<int> leftOutSegments_;
+};
+
+}} // namespace cv::active_handeye
+
+#endif

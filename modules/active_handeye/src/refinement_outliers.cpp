@@ -1,0 +1,181 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+// Wrong matches, views whose pose is wrong, and the first noise levels.
+#include "precomp.hpp"
+#include "distributions.hpp"
+#include "refinement.hpp"
+#include "view_pose.hpp"
+
+namespace cv { namespace active_handeye {
+
+using Eigen::VectorXd;
+
+typedef Eigen::Matrix<double, 6, 6> Matrix6d;
+
+static double median(std::vector<double> values)
+{
+    if (values.empty())
+        return 0;
+    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+    return values[values.size() / 2];
+}
+
+static const double medianOfRayleigh = 1.1774; // of the length of two coordinates of standard deviation 1
+static const double wildError = 6;             // sigmas
+
+void HandEyeRefinement::findScene()
+{
+    CalibrationState& state = problem_.state;
+    triangulate(tracks_, std::numeric_limits<double>::infinity(), state);
+    double scale = median(normalizedErrors(tracks_, state)) / medianOfRayleigh;
+    triangulate(tracks_, wildError * scale, state);
+
+    AlignedVector<Pose> poses = state.gripper2base;
+    if (problem_.unknowns.poses[0] != POSE_EXACT)
+        for (int view = 0; view < int(poses.size()); ++view)
+            poses[view] = resectView(tracks_, state, view, scale);
+    state.gripper2base.swap(poses);
+    triangulate(tracks_, wildError * scale, state);
+    if (problem_.unknowns.object)
+        placeObject(tracks_, state);
+    const std::vector<double> errors = normalizedErrors(tracks_, state);
+    scale = std::max(median(errors) / medianOfRayleigh, 1e-9);
+    leaveOutUnseenViews(errors, wildError * scale);
+    leaveOut(wildError * scale);
+
+    std::vector<double> turns, shifts;
+    for (int view = 0; view < int(poses.size()); ++view)
+    {
+        const Vector6d correction = problem_.correction(view);
+        turns.push_back(correction.head<3>().norm());
+        shifts.push_back(correction.tail<3>().norm());
+    }
+    const double angle = scale / state.calibration.camera.K(0, 0), medianOfMaxwell = 1.538;
+    const double first[] = {scale, 1, std::max(median(shifts) / medianOfMaxwell, angle * workingDistance()),
+                            std::max(median(turns) / medianOfMaxwell, angle)};
+    const double given[] = {params_.pointSigma, params_.stripeSigma, params_.robotTranslationSigma,
+                            params_.robotRotationSigma};
+    double levels[NOISE_COMPONENTS];
+    for (int k = 0; k < NOISE_COMPONENTS; ++k)
+        levels[k] = given[k] >= 0 ? given[k] : first[k];
+    problem_.noise = NoiseLevels{levels[0], levels[1], levels[2], levels[3]};
+}
+
+//! Views that most of their image points contradict, whatever their pose.
+void HandEyeRefinement::leaveOutUnseenViews(const std::vector<double>& errors, double limit)
+{
+    const int views = int(measurements_.gripper2base.size());
+    std::vector<int> seen(views), wrong(views);
+    for (size_t i = 0; i < tracks_.observations.size(); ++i)
+    {
+        ++seen[tracks_.observations[i].view];
+        wrong[tracks_.observations[i].view] += !(errors[i] <= limit);
+    }
+    for (int view = 0; view < views; ++view)
+    {
+        if (wrong[view] * 2 <= seen[view])
+            continue;
+        doubtedViews_.push_back(view);
+        culprits_.push_back(cv::format("view %d: %d of its %d image points contradict the other views; it is left out (a "
+                                       "wrong pose or a wrong image?)",
+                                       view, wrong[view], seen[view]));
+        problem_.state.gripper2base[view] = measurements_.gripper2base[view];
+    }
+}
+
+//! Uses the observations within the limit. Returns whether that changed anything.
+bool HandEyeRefinement::leaveOut(double limit)
+{
+    const std::vector<double> errors = normalizedErrors(tracks_, problem_.state);
+    bool changed = false;
+    for (size_t i = 0; i < errors.size(); ++i)
+    {
+        PointObservation& o = tracks_.observations[i];
+        const bool isDoubted = std::count(doubtedViews_.begin(), doubtedViews_.end(), o.view) > 0 &&
+                               problem_.unknowns.poses[o.view] != POSE_FREE;
+        const bool use = errors[i] <= limit && !isDoubted;
+        changed = changed || use != o.used;
+        o.used = use;
+    }
+    return changed;
+}
+
+void HandEyeRefinement::fitWithoutWrongMatches()
+{
+    const int maxRounds = 4;
+    for (int round = 0; round < maxRounds; ++round)
+    {
+        fit(1e-6);
+        if (!leaveOut(params_.rejectThreshold * problem_.noise.point))
+            break;
+    }
+}
+
+Matrix6d HandEyeRefinement::priorCovariance() const
+{
+    Vector6d variance;
+    variance << Eigen::Vector3d::Constant(std::pow(problem_.noise.rotation, 2)),
+        Eigen::Vector3d::Constant(std::pow(problem_.noise.translation, 2));
+    return variance.asDiagonal();
+}
+
+Matrix6d HandEyeRefinement::poseCovariance(int view) const
+{
+    const int column = problem_.unknowns.poseColumn(view);
+    return components_->covariance().block<6, 6>(column, column);
+}
+
+//! Squared length of a view's correction in units of its predicted covariance.
+double HandEyeRefinement::viewStatistic(int view, const Matrix6d& predicted) const
+{
+    const Vector6d prior = priorCovariance().diagonal().cwiseSqrt();
+    const Matrix6d scaled = prior.cwiseInverse().asDiagonal() * predicted * prior.cwiseInverse().asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
+    const Vector6d along = eigen.eigenvectors().transpose() * problem_.correction(view).cwiseQuotient(prior);
+    double sum = 0;
+    for (int i = 0; i < 6; ++i)
+        if (eigen.eigenvalues()(i) > 1e-3)
+            sum += along(i) * along(i) / eigen.eigenvalues()(i);
+    return sum;
+}
+
+//! Frees the pose of a view whose correction the robot's noise does not explain, one at a time.
+void HandEyeRefinement::doubtViews()
+{
+    const int views = int(measurements_.gripper2base.size());
+    const double level = 1e-3 / views;
+    while (int(doubtedViews_.size()) < views / 3)
+    {
+        int worst = -1;
+        double largest = 0;
+        for (int view = 0; view < views; ++view)
+            if (problem_.unknowns.poses[view] == POSE_PRIOR)
+            {
+                const double statistic = viewStatistic(view, priorCovariance() - poseCovariance(view));
+                if (statistic > largest)
+                    largest = statistic, worst = view;
+            }
+        if (worst < 0 || chiSquareTail(largest, 6) > level)
+            return;
+        const CalibrationState before = problem_.state;
+        const NoiseLevels noiseBefore = problem_.noise;
+        problem_.unknowns.poses[worst] = POSE_FREE;
+        fit(1e-6);
+        const double redundancy = 2 / std::max(1e-12, components_->logVarianceCovariance().diagonal().tail<2>().maxCoeff());
+        if (fTail(viewStatistic(worst, priorCovariance() + poseCovariance(worst)) / 6, 6, redundancy) > level)
+        {
+            problem_.unknowns.poses[worst] = POSE_PRIOR;
+            problem_.state = before;
+            problem_.noise = noiseBefore;
+            fit(1e-6);
+            return;
+        }
+        doubtedViews_.push_back(worst);
+        leaveOut(params_.rejectThreshold * problem_.noise.point);
+        fit(1e-6);
+    }
+}
+
+}} // namespace cv::active_handeye
