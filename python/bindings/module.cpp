@@ -17,4 +17,5 @@ PYBIND11_MODULE(_core, m)
     bindLightPlane(m);
     bindStripe(m);
     bindRefine(m);
+    bindMeasure(m);
 }

@@ -3,7 +3,10 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "closed_forms.hpp"
 #include "refinement.hpp"
+
+#include <exception>
 
 namespace cv { namespace active_handeye {
 
@@ -47,35 +50,81 @@ int translationsFlags(const RefineParams& params)
     return flags;
 }
 
-//! K and R from the pure translations, t from the turns, as far as the caller gives no start.
-HandEyeCalibration startOf(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base,
-                           InputArrayOfArrays imagePoints, InputArray cameraMatrix, InputArray distCoeffs,
-                           InputArray R_cam2gripper, InputArray t_cam2gripper, const RefineParams& params,
-                           const TurnDirections& turns)
+//! What the caller gave, as arrays: the closed forms check it.
+struct RefineArguments
 {
-    if (cameraMatrix.empty() && params.flags & REFINE_FIX_K)
+    InputArrayOfArrays R_gripper2base, t_gripper2base, imagePoints;
+    InputArray cameraMatrix, distCoeffs, R_cam2gripper, t_cam2gripper;
+};
+
+//! K and R from the pure translations, t from the turns, as far as the caller gives no start.
+HandEyeCalibration startOf(const RefineArguments& given, const RefineParams& params, const TurnDirections& turns,
+                           ViewDoubts& doubts)
+{
+    if (given.cameraMatrix.empty() && params.flags & REFINE_FIX_K)
         CV_Error(Error::StsBadArg, "cameraMatrix: needed with REFINE_FIX_K, given none");
-    Mat K = cameraMatrix.getMat().clone(), R = R_cam2gripper.getMat(), t = t_cam2gripper.getMat();
+    Mat K = given.cameraMatrix.getMat(), R = given.R_cam2gripper.getMat(), t = given.t_cam2gripper.getMat();
     if (K.empty() || R.empty())
     {
-        Mat startK = K, startR;
+        Mat startK = K.clone(), startR;
         const int flags = K.empty() ? translationsFlags(params) : int(TRANSLATIONS_FIX_K);
-        calibrateHandEyeTranslations(R_gripper2base, t_gripper2base, imagePoints, startK, distCoeffs, startR, noArray(),
-                                     TRANSLATIONS_METRIC, flags, params.orientationTolerance);
+        translationsClosedForm(given.R_gripper2base, given.t_gripper2base, given.imagePoints, startK, given.distCoeffs,
+                               startR, noArray(), TRANSLATIONS_METRIC, flags, params.orientationTolerance, doubts);
         K = startK;
         R = R.empty() ? startR : R;
     }
     HandEyeCalibration start;
-    start.camera = readCamera(K, distCoeffs);
+    start.camera = readCamera(K, given.distCoeffs);
     start.cam2gripper.R = readRotation(R, "R_cam2gripper");
     const bool allowPartial = (params.flags & REFINE_ALLOW_PARTIAL) != 0;
     if (t.empty() && allowPartial && turns.observed.cols() == 0)
         return start;
     if (t.empty())
-        calibrateHandEyeRotation(R_gripper2base, t_gripper2base, imagePoints, K, distCoeffs, R, t, noArray(),
-                                 allowPartial ? ROTATION_ALLOW_PARTIAL : 0);
+    {
+        const std::vector<int> doubtedBefore = doubts.rejectedViews;
+        rotationClosedForm(given.R_gripper2base, given.t_gripper2base, given.imagePoints, K, given.distCoeffs, R, t,
+                           noArray(), allowPartial ? ROTATION_ALLOW_PARTIAL : 0, doubts);
+        doubts.rejectedViews.insert(doubts.rejectedViews.end(), doubtedBefore.begin(), doubtedBefore.end());
+    }
     start.cam2gripper.t = readVector3(t, "t_cam2gripper");
     return start;
+}
+
+/** A refinement with its scene, from the better of two starts.
+
+Closed forms that distrust views are right when a view is wrong, and those that do not are right when the robot is merely inaccurate.
+*/
+std::unique_ptr<HandEyeRefinement> beginRefinement(const RefineArguments& given, const RefineMeasurements& measurements,
+                                                   const RefineParams& params)
+{
+    const double thresholds[] = {largeImageNoise, 1e9};
+    const TurnDirections turns(measurements.gripper2base);
+    std::unique_ptr<HandEyeRefinement> best;
+    std::exception_ptr refusal;
+    for (double threshold : thresholds)
+    {
+        ViewDoubts doubts = {threshold, {}};
+        try
+        {
+            std::unique_ptr<HandEyeRefinement> candidate(
+                new HandEyeRefinement(measurements, params, startOf(given, params, turns, doubts)));
+            candidate->findScene();
+            if (!best || candidate->typicalError() < best->typicalError())
+                best = std::move(candidate);
+        }
+        catch (const cv::Exception& e)
+        {
+            if (e.code != Error::StsNoConv)
+                throw;
+            refusal = refusal ? refusal : std::current_exception();
+            continue;
+        }
+        if (doubts.rejectedViews.empty())
+            break;
+    }
+    if (!best)
+        std::rethrow_exception(refusal);
+    return best;
 }
 
 Eigen::Matrix<double, 5, 1> distortionOf(const Camera& camera)
@@ -96,31 +145,29 @@ double refineHandEye(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gri
     checkRefineParams(params);
     const RefineMeasurements measurements = readMeasurements(R_gripper2base, t_gripper2base, imagePoints, stripePoints,
                                                              stripeViews, surfaceIds, objectPoints, pointSigmas, stripeSigmas);
-    const HandEyeCalibration start =
-        startOf(R_gripper2base, t_gripper2base, imagePoints, cameraMatrix, distCoeffs, R_cam2gripper, t_cam2gripper,
-                params, TurnDirections(measurements.gripper2base));
-    HandEyeRefinement refinement(measurements, params, start);
-    refinement.findScene();
-    refinement.fitPoints();
+    const RefineArguments given = {R_gripper2base, t_gripper2base, imagePoints, cameraMatrix,
+                                   distCoeffs,     R_cam2gripper,  t_cam2gripper};
+    const std::unique_ptr<HandEyeRefinement> refinement = beginRefinement(given, measurements, params);
+    refinement->fitPoints();
     if (!measurements.stripes.empty())
     {
         Mat plane = lightPlane.getMat();
         if (plane.empty())
         {
             Mat K, D, R;
-            writeMatrix(refinement.calibration().camera.K, K);
-            writeMatrix(distortionOf(refinement.calibration().camera), D);
-            writeMatrix(refinement.calibration().cam2gripper.R, R);
+            writeMatrix(refinement->calibration().camera.K, K);
+            writeMatrix(distortionOf(refinement->calibration().camera), D);
+            writeMatrix(refinement->calibration().cam2gripper.R, R);
             calibrateLightPlane(R_gripper2base, t_gripper2base, stripePoints, stripeViews, surfaceIds, K, D, R, plane,
                                 noArray(), noArray(), params.orientationTolerance);
         }
-        refinement.fitStripes(readLightPlane(plane));
+        refinement->fitStripes(readLightPlane(plane));
     }
-    refinement.requireAnswer();
+    refinement->requireAnswer();
 
     summary = RefineSummary();
-    refinement.summarize(summary);
-    const HandEyeCalibration& result = refinement.calibration();
+    refinement->summarize(summary);
+    const HandEyeCalibration& result = refinement->calibration();
     writeMatrix(result.camera.K, cameraMatrix);
     writeMatrix(distortionOf(result.camera), distCoeffs);
     writeMatrix(result.cam2gripper.R, R_cam2gripper);

@@ -149,6 +149,8 @@ private:
 
     void subtractEliminated(int eliminated)
     {
+        if (eliminated == 0)
+            return;
         const auto W = byPoints_.leftCols(eliminated);
         product_.setZero(rows_, rows_);
         product_.selfadjointView<Eigen::Upper>().rankUpdate(W);

@@ -78,12 +78,13 @@ double RefineProblem::trackCost(int track, const CameraViews& views, const Camer
     return sum;
 }
 
-//! One Gauss-Newton step of a scene point, shortened until it does no harm. Returns the cost of its track.
-double RefineProblem::movePoint(int track, const CameraViews& views, const Camera& camera, Vector3d& X) const
+//! Cost of a track at X and the Gauss-Newton step from there; isRobust: with Huber's pull.
+double RefineProblem::stepOfPoint(int track, const CameraViews& views, const Camera& camera, const Vector3d& X, bool isRobust,
+                                  Vector3d& step) const
 {
     Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
     Vector3d b = Vector3d::Zero();
-    double before = 0;
+    double sum = 0;
     for (int i = tracks.first[track]; i < tracks.first[track + 1]; ++i)
     {
         const PointObservation& o = tracks.observations[i];
@@ -95,27 +96,46 @@ double RefineProblem::movePoint(int track, const CameraViews& views, const Camer
         const double r = residual.error.norm() * o.inverseSigma, k = huberThreshold_ * noise.point;
         const double information = o.inverseSigma * o.inverseSigma;
         A.noalias() += information * residual.byPoint.transpose() * residual.byPoint;
-        b.noalias() += information * std::min(1., k / r) * residual.byPoint.transpose() * residual.error;
-        before += huberCost(r);
+        b.noalias() += information * (isRobust ? std::min(1., k / r) : 1) * residual.byPoint.transpose() * residual.error;
+        sum += huberCost(r);
     }
-    const Vector3d step = -A.ldlt().solve(b);
-    for (double length = 1; length > 0.1; length *= 0.5)
-    {
-        const Vector3d candidate = X + length * step;
-        const double after = trackCost(track, views, camera, candidate);
-        if (after <= before)
-        {
-            X = candidate;
-            return after;
-        }
-    }
-    return before;
+    step = -A.ldlt().solve(b);
+    return sum;
+}
+
+//! Follows the cameras with a scene point: one plain step, since they may have moved far, then a robust one. Returns the cost of its track.
+double RefineProblem::movePoint(int track, const CameraViews& views, const Camera& camera, Vector3d& X) const
+{
+    Vector3d plain, robust;
+    const double stays = stepOfPoint(track, views, camera, X, false, plain);
+    const Vector3d first = X + (std::isfinite(stays) ? plain : Vector3d(Vector3d::Zero()));
+    const double atFirst = stepOfPoint(track, views, camera, first, true, robust);
+    const Vector3d second = first + (std::isfinite(atFirst) ? robust : Vector3d(Vector3d::Zero()));
+    const double atSecond = trackCost(track, views, camera, second);
+    if (atSecond <= std::min(stays, atFirst))
+        X = second;
+    else if (atFirst <= stays)
+        X = first;
+    return std::min(stays, std::min(atFirst, atSecond));
+}
+
+//! Moves the camera of a view as the linear model says, and the gripper with it. The images see the camera alone: a step of the
+//! hand-eye transform and the robot's poses that cancel must leave it exactly where it is, or long steps along this valley fail.
+static Pose movedPose(const Pose& pose, const Pose& cam2gripper, const Pose& movedCam2gripper, const Vector6d& handEyeStep,
+                      const Vector6d& poseStep)
+{
+    const Vector3d turn = poseStep.head<3>(), arm = pose.R * cam2gripper.t;
+    const Eigen::Matrix3d R_cam2base = expRotation(pose.R * handEyeStep.head<3>() + turn) * pose.R * cam2gripper.R;
+    const Vector3d centre = pose.t + arm + turn.cross(arm) + pose.R * handEyeStep.tail<3>() + poseStep.tail<3>();
+    const Eigen::Matrix3d R = nearestRotation(R_cam2base * movedCam2gripper.R.transpose());
+    return Pose{R, centre - R * movedCam2gripper.t};
 }
 
 CalibrationState RefineProblem::moved(const VectorXd& step) const
 {
     CalibrationState result = state;
-    result.calibration = state.calibration.moved(unknowns.calibration * step.head(unknowns.calibration.cols()));
+    const CalibrationStep calibrationStep = unknowns.calibration * step.head(unknowns.calibration.cols());
+    result.calibration = state.calibration.moved(calibrationStep);
     if (unknowns.object)
         result.object2base = active_handeye::moved(state.object2base, step.segment<6>(unknowns.objectColumn()));
     for (int s = 0; s < unknowns.surfaces; ++s)
@@ -126,7 +146,8 @@ CalibrationState RefineProblem::moved(const VectorXd& step) const
     for (int view = 0; view < int(reported.size()); ++view)
         if (unknowns.poses[view] != POSE_EXACT)
             result.gripper2base[view] =
-                active_handeye::moved(state.gripper2base[view], step.segment<6>(unknowns.poseColumn(view)));
+                movedPose(state.gripper2base[view], state.calibration.cam2gripper, result.calibration.cam2gripper,
+                          calibrationStep.segment<6>(COLUMN_ROTATION), step.segment<6>(unknowns.poseColumn(view)));
     for (int track = 0; track < tracks.count(); ++track)
         if (tracks.isKnown(track))
             result.points[track] = result.object2base.R * tracks.known[track] + result.object2base.t;

@@ -106,6 +106,8 @@ private:
     double priorCost(const CalibrationState& state) const;
     double cost(const CalibrationState& state) const;
     CalibrationState moved(const Eigen::VectorXd& step) const;
+    double stepOfPoint(int track, const CameraViews& views, const Camera& camera, const Eigen::Vector3d& X,
+                       bool isRobust, Eigen::Vector3d& step) const;
     double movePoint(int track, const CameraViews& views, const Camera& camera, Eigen::Vector3d& X) const;
     double trackCost(int track, const CameraViews& views, const Camera& camera, const Eigen::Vector3d& X) const;
     double huberCost(double r) const;

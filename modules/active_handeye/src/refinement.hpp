@@ -41,6 +41,9 @@ public:
     //! Scene points, wrong matches, first noise levels.
     void findScene();
 
+    //! Median normalised error of the image points after findScene(), whatever the poses of the views.
+    double typicalError() const { return typicalError_; }
+
     //! Maximum likelihood from the points, with the views that are not believed and the lens model.
     void fitPoints();
 
@@ -56,6 +59,7 @@ public:
     double rms() const;
 
 private:
+    void requireTracks() const;
     void setUnknowns();
     void fit(double tolerance);
     bool leaveOut(double limit);
@@ -94,6 +98,7 @@ private:
     LensTest lensTests_[LENS_MODELS];
     bool useStripes_ = false, converged_ = false;
     int iterations_ = 0;
+    double typicalError_ = 0;
     std::vector<std::string> culprits_, weakDirections_;
     std::vector<int> doubtedViews_;
     std::vector<int> leftOutSegments_;

@@ -43,13 +43,14 @@ void HandEyeRefinement::testLens()
     problem_.linearizeData();
 }
 
+//! The smallest model that the data do not contradict.
 int HandEyeRefinement::lensOfTests() const
 {
-    int best = 0;
-    for (int model = 1; model < LENS_MODELS; ++model)
-        if (lensTests_[model].informationCriterion() < lensTests_[best].informationCriterion())
-            best = model;
-    return best;
+    const double level = 0.01;
+    int model = 0;
+    while (lensTests_[model].pValue < level)
+        ++model;
+    return model;
 }
 
 void HandEyeRefinement::chooseLens()

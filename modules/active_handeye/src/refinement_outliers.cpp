@@ -22,6 +22,24 @@ static double median(std::vector<double> values)
     return values[values.size() / 2];
 }
 
+//! Points that two views see well: without them there is nothing to refine.
+void HandEyeRefinement::requireTracks() const
+{
+    int used = 0, equations = 0;
+    for (int track = 0; track < tracks_.count(); ++track)
+        if (tracks_.isUsed(track))
+        {
+            ++used;
+            equations += 2 * tracks_.usedIn(track) - (tracks_.isKnown(track) ? 0 : 3);
+        }
+    const int needed = int(problem_.unknowns.calibration.cols());
+    if (used < 2 || equations <= needed)
+        CV_Error(Error::StsNoConv,
+                 cv::format("imagePoints: too few points agree with the poses; needed 2 or more points with more than %d equations (2 "
+                            "per image point - 3 per scene point), given %d such points with %d equations out of %d",
+                            needed, used, equations, int(measurements_.imagePoints[0].size())));
+}
+
 static const double medianOfRayleigh = 1.1774; // of the length of two coordinates of standard deviation 1
 static const double wildError = 6;             // sigmas
 
@@ -41,9 +59,12 @@ void HandEyeRefinement::findScene()
     if (problem_.unknowns.object)
         placeObject(tracks_, state);
     const std::vector<double> errors = normalizedErrors(tracks_, state);
-    scale = std::max(median(errors) / medianOfRayleigh, 1e-9);
+    typicalError_ = median(errors);
+    scale = std::max(typicalError_ / medianOfRayleigh, 1e-9);
     leaveOutUnseenViews(errors, wildError * scale);
     leaveOut(wildError * scale);
+    setUnknowns();
+    requireTracks();
 
     std::vector<double> turns, shifts;
     for (int view = 0; view < int(poses.size()); ++view)
@@ -108,7 +129,9 @@ void HandEyeRefinement::fitWithoutWrongMatches()
     for (int round = 0; round < maxRounds; ++round)
     {
         fit(1e-6);
-        if (!leaveOut(params_.rejectThreshold * problem_.noise.point))
+        const bool changed = leaveOut(params_.rejectThreshold * problem_.noise.point);
+        requireTracks();
+        if (!changed)
             break;
     }
 }
@@ -174,6 +197,7 @@ void HandEyeRefinement::doubtViews()
         }
         doubtedViews_.push_back(worst);
         leaveOut(params_.rejectThreshold * problem_.noise.point);
+        requireTracks();
         fit(1e-6);
     }
 }

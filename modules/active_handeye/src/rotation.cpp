@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "closed_forms.hpp"
 #include "motion_groups.hpp"
 #include "normalization.hpp"
 #include "track_fit.hpp"
@@ -156,11 +157,11 @@ void requireLinks(const Tracks& tracks, const AlignedVector<Pose>& poses, size_t
 
 } // namespace
 
-double calibrateHandEyeRotation(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base,
-                                InputArrayOfArrays imagePoints, InputArray cameraMatrix, InputArray distCoeffs,
-                                InputArray R_cam2gripper, OutputArray t_cam2gripper, OutputArray covariance, int flags)
+double rotationClosedForm(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base,
+                          InputArrayOfArrays imagePoints, InputArray cameraMatrix, InputArray distCoeffs,
+                          InputArray R_cam2gripper, OutputArray t_cam2gripper, OutputArray covariance, int flags,
+                          ViewDoubts& doubts)
 {
-    CV_TRACE_FUNCTION();
     const AlignedVector<Pose> poses = readRobotPoses(R_gripper2base, t_gripper2base);
     const Camera camera = readCamera(cameraMatrix, distCoeffs);
     const std::vector<Pixels> pixels = idealPixels(readImagePoints(imagePoints, poses.size()), camera);
@@ -177,7 +178,9 @@ double calibrateHandEyeRotation(InputArrayOfArrays R_gripper2base, InputArrayOfA
             Error::StsNoConv,
             "t_gripper2base: the gripper only turned, which leaves the scale of t_cam2gripper open; needed views at different "
             "places, given one place: add a translation");
+    problem.largeResidual = doubts.threshold;
     const TrackFit<RotationModel> fit = fitTracks(problem);
+    doubts.rejectedViews = fit.rejectedViews;
     const Vector3d t = fit.p.head<3>() * problem.length;
     const int parameters = int(turns.observed.cols());
     Matrix3d uncertainty = problem.covariance(fit.S, fit.sigma(parameters) * problem.length);
@@ -188,6 +191,18 @@ double calibrateHandEyeRotation(InputArrayOfArrays R_gripper2base, InputArrayOfA
     if (covariance.needed())
         writeMatrix(uncertainty, covariance);
     return fit.rms() * problem.pixelsPerUnit;
+}
+
+double calibrateHandEyeRotation(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base,
+                                InputArrayOfArrays imagePoints, InputArray cameraMatrix, InputArray distCoeffs,
+                                InputArray R_cam2gripper, OutputArray t_cam2gripper, OutputArray covariance, int flags)
+{
+    CV_TRACE_FUNCTION();
+    ViewDoubts doubts = {largeImageNoise, {}};
+    const double rms = rotationClosedForm(R_gripper2base, t_gripper2base, imagePoints, cameraMatrix, distCoeffs,
+                                          R_cam2gripper, t_cam2gripper, covariance, flags, doubts);
+    warnOfRejectedViews("calibrateHandEyeRotation", doubts);
+    return rms;
 }
 
 }} // namespace cv::active_handeye

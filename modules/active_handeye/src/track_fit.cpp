@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "closed_forms.hpp"
 #include "track_fitter.hpp"
 #include "opencv2/core/utils/logger.hpp"
 
@@ -60,11 +61,15 @@ TrackFit<Model> fitTracks(TrackProblem<Model>& problem)
                 "%s: imagePoints and poses contradict each other; needed two thirds of the views to agree, given %d of %d "
                 "views that disagree: %s (no parallax, wrong matches, or poses of other images)",
                 function, int(fit.rejectedViews.size()), fitter.viewCount(), listOf(fit.rejectedViews).c_str()));
-    if (!fit.rejectedViews.empty())
-        CV_LOG_WARNING(NULL, function << ": views " << listOf(fit.rejectedViews)
+    return fit;
+}
+
+void warnOfRejectedViews(const char* function, const ViewDoubts& doubts)
+{
+    if (!doubts.rejectedViews.empty())
+        CV_LOG_WARNING(NULL, function << ": views " << listOf(doubts.rejectedViews)
                                       << " contradict the other views and were not used: check their "
                                       << "R_gripper2base, t_gripper2base and imagePoints");
-    return fit;
 }
 
 template <class Model>

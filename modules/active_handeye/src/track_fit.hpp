@@ -36,6 +36,7 @@ public:
     AlignedVector<Model> models;            //!< per view
     AlignedVector<Eigen::Matrix3d> toImage; //!< per view: it sees Y at toImage Y
     double pixelsPerUnit = 1;               //!< pixels per unit of Observation::x
+    double largeResidual = 0.5;             //!< px: more than image noise and a robot's jitter explain
     std::string function;                   //!< names the caller in error texts
 };
 

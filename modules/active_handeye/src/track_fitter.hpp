@@ -63,11 +63,10 @@ public:
         }
     }
 
-    //! The image of some view moved as a whole, clearly more than independent noise explains, but by no more than image noise is: a robot that
-    //! is farther off does not jitter, its poses are wrong.
+    //! The image of some view moved as a whole, clearly more than independent noise explains, but not so far that the pose must be wrong.
     bool viewsJitter() const
     {
-        if (typicalResidual_ > largeNoise())
+        if (typicalResidual_ > contradiction())
             return false;
         const TrackFit<Model> fit = result();
         const double variance = std::pow(std::max(fit.sigma(Model::parameters), rounding()), 2);
@@ -157,7 +156,7 @@ private:
     }
 
     double rounding() const { return 1e-7 / problem_.pixelsPerUnit; }
-    double largeNoise() const { return 0.5 / problem_.pixelsPerUnit; } //!< of image points, half a pixel
+    double contradiction() const { return problem_.largeResidual / problem_.pixelsPerUnit; } //!< more than noise
 
     //! Tries every set of `size` views; keeps the best one when it lowers the typical residual decisively.
     bool excludeBest(int size)
@@ -257,10 +256,14 @@ private:
         const double gate = gateInSigmas * std::max(typicalResidual_ * absorbed / rayleighMedian, rounding());
         gateSquared_ = gate * gate;
         outliers_ = 0;
-        outliersOfView_.assign(observed_.size(), 0);
+        contradictionsOfView_.assign(observed_.size(), 0);
+        const double far = std::pow(contradiction(), 2);
         for (size_t o = 0; o < residuals_.squared.size(); ++o)
             if (isOutlier(o))
-                ++outliers_, ++outliersOfView_[observations_[o].view];
+            {
+                ++outliers_;
+                contradictionsOfView_[observations_[o].view] += !(residuals_.depth[o] > 0 && residuals_.squared[o] < far);
+            }
     }
 
     //! Over the observations of the views not excluded, a thousand of them are enough; one without a value counts as infinite.
@@ -300,13 +303,13 @@ private:
         return same;
     }
 
-    bool mostlyOutliers(size_t view) const { return 2 * outliersOfView_[view] > observed_[view]; }
+    bool mostlyOutliers(size_t view) const { return 2 * contradictionsOfView_[view] > observed_[view]; }
 
-    //! Either one view is mostly outliers, or the residuals are larger than image noise is.
+    //! Either one view is mostly far off, or the residuals of all are large.
     bool aViewIsSuspect() const
     {
         const double largeShare = 0.02;
-        bool suspect = typicalResidual_ > largeNoise() || typicalResidual_ > largeShare * parallax_;
+        bool suspect = typicalResidual_ > contradiction() || typicalResidual_ > largeShare * parallax_;
         for (size_t view = 0; view < excluded_.size(); ++view)
             suspect = suspect || (observed_[view] && !excluded_[view] && mostlyOutliers(view));
         return suspect;
@@ -320,7 +323,7 @@ private:
     TrackProblem<Model>& problem_;
     const AlignedVector<Observation>& observations_;
     double parallax_;
-    std::vector<int> observed_, outliersOfView_; // observations per view
+    std::vector<int> observed_, contradictionsOfView_; // observations per view
     std::vector<char> excluded_;
     std::vector<double> depth_, robust_, weights_;
     AlignedVector<EliminatedPoint> points_;

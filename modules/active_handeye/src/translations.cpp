@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "closed_forms.hpp"
 #include "foe.hpp"
 #include "translations_problem.hpp"
 
@@ -71,11 +72,13 @@ void requireKnownFocalLength(const Projection& projection, const MatrixXd& covar
 }
 
 Estimate estimateMetric(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Normalization& T,
-                        const ProjectionSolver& solver)
+                        const ProjectionSolver& solver, ViewDoubts& doubts)
 {
     TranslationsProblem problem(motion, pixels, T, solver);
+    problem.largeResidual = doubts.threshold;
     requireTracks(problem.tracks, pixels, solver.freeCount());
     const TrackFit<TranslationModel> fit = fitTracks(problem);
+    doubts.rejectedViews = fit.rejectedViews;
     const MatrixXd covariance = solver.covariance(problem.projection, fit.S, fit.sigma(solver.freeCount()));
     return Estimate{problem.projection, covariance, fit.rms() / T.scale};
 }
@@ -182,7 +185,7 @@ Estimate estimateFromFOEs(const GroupTranslations& motion, const std::vector<Pix
 }
 
 Estimate estimateOnce(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Camera& camera,
-                      TranslationsMethod method, int flags)
+                      TranslationsMethod method, int flags, ViewDoubts& doubts)
 {
     std::vector<const Pixels*> all;
     for (const MotionGroup& group : motion.groups)
@@ -192,19 +195,19 @@ Estimate estimateOnce(const GroupTranslations& motion, const std::vector<Pixels>
     const Normalization T(all);
     const ProjectionSolver solver(T, motion.directions, flags, camera.K);
     return method == TRANSLATIONS_FOE ? estimateFromFOEs(motion, pixels, T, solver, flags)
-                                      : estimateMetric(motion, pixels, T, solver);
+                                      : estimateMetric(motion, pixels, T, solver, doubts);
 }
 
 //! K unknown, distortion known: removes it with the last K until K stays.
 Estimate estimateWithDistortion(const GroupTranslations& motion, const std::vector<Pixels>& recorded, Camera camera,
-                                bool guessed, TranslationsMethod method, int flags)
+                                bool guessed, TranslationsMethod method, int flags, ViewDoubts& doubts)
 {
     if (!guessed)
-        camera.K = estimateOnce(motion, recorded, camera, method, flags).projection.K;
+        camera.K = estimateOnce(motion, recorded, camera, method, flags, doubts).projection.K;
     const int maxRounds = 100;
     for (int round = 0; round < maxRounds; ++round)
     {
-        const Estimate estimate = estimateOnce(motion, idealPixels(recorded, camera), camera, method, flags);
+        const Estimate estimate = estimateOnce(motion, idealPixels(recorded, camera), camera, method, flags, doubts);
         const double change = (estimate.projection.K - camera.K).cwiseAbs().maxCoeff();
         camera.K = estimate.projection.K;
         if (change <= 1e-10 * camera.K(0, 0))
@@ -220,12 +223,11 @@ Estimate estimateWithDistortion(const GroupTranslations& motion, const std::vect
 
 } // namespace
 
-double calibrateHandEyeTranslations(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base,
-                                    InputArrayOfArrays imagePoints, InputOutputArray cameraMatrix,
-                                    InputArray distCoeffs, OutputArray R_cam2gripper, OutputArray covariance,
-                                    TranslationsMethod method, int flags, double orientationTolerance)
+double translationsClosedForm(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base,
+                              InputArrayOfArrays imagePoints, InputOutputArray cameraMatrix, InputArray distCoeffs,
+                              OutputArray R_cam2gripper, OutputArray covariance, TranslationsMethod method, int flags,
+                              double orientationTolerance, ViewDoubts& doubts)
 {
-    CV_TRACE_FUNCTION();
     const AlignedVector<Pose> poses = readRobotPoses(R_gripper2base, t_gripper2base);
     const std::vector<Pixels> recorded = readImagePoints(imagePoints, poses.size());
     if (method != TRANSLATIONS_METRIC && method != TRANSLATIONS_FOE)
@@ -248,14 +250,28 @@ double calibrateHandEyeTranslations(InputArrayOfArrays R_gripper2base, InputArra
     motion.requireDirections(knownK ? 2 : 3, knownK ? "two that are not parallel"
                                                     : "three that are not coplanar (two with TRANSLATIONS_FIX_K)");
     const Estimate estimate = knownK || !camera.hasDistortion()
-                                  ? estimateOnce(motion, idealPixels(recorded, camera), camera, method, flags)
-                                  : estimateWithDistortion(motion, recorded, camera, guessed, method, flags);
+                                  ? estimateOnce(motion, idealPixels(recorded, camera), camera, method, flags, doubts)
+                                  : estimateWithDistortion(motion, recorded, camera, guessed, method, flags, doubts);
     requireKnownFocalLength(estimate.projection, estimate.covariance);
     writeMatrix(estimate.projection.K, cameraMatrix);
     writeMatrix(estimate.projection.R, R_cam2gripper);
     if (covariance.needed())
         writeMatrix(estimate.covariance, covariance);
     return estimate.rms;
+}
+
+double calibrateHandEyeTranslations(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base,
+                                    InputArrayOfArrays imagePoints, InputOutputArray cameraMatrix,
+                                    InputArray distCoeffs, OutputArray R_cam2gripper, OutputArray covariance,
+                                    TranslationsMethod method, int flags, double orientationTolerance)
+{
+    CV_TRACE_FUNCTION();
+    ViewDoubts doubts = {largeImageNoise, {}};
+    const double rms =
+        translationsClosedForm(R_gripper2base, t_gripper2base, imagePoints, cameraMatrix, distCoeffs, R_cam2gripper,
+                               covariance, method, flags, orientationTolerance, doubts);
+    warnOfRejectedViews("calibrateHandEyeTranslations", doubts);
+    return rms;
 }
 
 }} // namespace cv::active_handeye

@@ -11,6 +11,7 @@
 #include "opencv2/active_handeye/stripe.hpp"
 #include "opencv2/active_handeye/light_plane.hpp"
 #include "opencv2/active_handeye/refine.hpp"
+#include "opencv2/active_handeye/measure.hpp"
 
 /**
 @defgroup active_handeye Calibration of a robot's camera and laser without a calibration target
@@ -39,6 +40,7 @@ Everything here is closed form with its degenerate cases refused: an answer that
     @defgroup active_handeye_rotation Translation from changes of orientation
     @defgroup active_handeye_stripe Laser stripes in images
     @defgroup active_handeye_light_plane Light plane
+    @defgroup active_handeye_measure Points in space from stripes
 @}
 */
 

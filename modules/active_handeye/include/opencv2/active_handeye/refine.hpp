@@ -30,7 +30,7 @@ enum RefineFlags
 //! Which distortion coefficients are estimated; the others stay what they were
 enum LensModel
 {
-    LENS_AUTO = -1,    //!< the smallest of the five below that the data do not contradict
+    LENS_AUTO = -1,    //!< the smallest of the five below that the data do not contradict (Wald test at 1 %); with REFINE_FIX_K: LENS_FIXED
     LENS_FIXED = 0,    //!< none
     LENS_K1 = 1,       //!< k1
     LENS_K1_K2 = 2,    //!< k1, k2
