@@ -33,7 +33,7 @@ MODELS = {
     cah.LENS_K3: "k1 k2 p1 p2 k3",
 }
 COEFFICIENTS = {cah.LENS_FIXED: 0, cah.LENS_K1: 1, cah.LENS_K1_K2: 2, cah.LENS_TANGENTIAL: 4, cah.LENS_K3: 5}
-TOO_SMALL, COST, LEAST = 5.0, 1.15, 92.0
+TOO_SMALL, COST, LEAST = 5.0, 1.25, 92.0
 
 
 @dataclass(frozen=True)

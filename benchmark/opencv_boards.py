@@ -112,7 +112,7 @@ class Comparison:
         return found
 
 
-def measure(workers: cluster.Workers, trials: int = 200, seed: int = 1) -> Report:
+def measure(workers: cluster.Workers, trials: int = 400, seed: int = 1) -> Report:
     """12 and 24 stops of both motions."""
     tables, measures = [], []
     for views in (12, 24):
@@ -136,7 +136,7 @@ def measure(workers: cluster.Workers, trials: int = 200, seed: int = 1) -> Repor
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
     line = parser(__doc__ or "")
-    line.add_argument("--trials", type=int, default=200, help="trials per motion and number of stops (default 200)")
+    line.add_argument("--trials", type=int, default=400, help="trials per motion and number of stops (default 400)")
     line.add_argument("--seed", type=int, default=1, help="trial i uses the random numbers of (seed, i)")
     cluster.add_options(line)
     options = line.parse_args(arguments)

@@ -16,7 +16,7 @@ OPENCV_VIEWS = 10
 OPENCV_TARGET_NOISE, OPENCV_ROBOT_NOISE = (0.002, 0.005), (0.001, 0.001)
 """Standard deviations per component: rotation vector [rad], translation [m]."""
 OPENCV_SIZE, OPENCV_K = np.array([1280.0, 960.0]), np.array([[600.0, 0, 640], [0, 600, 480], [0, 0, 1]])
-OPENCV_BOARD, OPENCV_PIXEL = corners(9, 6, 0.1), 0.7
+OPENCV_BOARD, OPENCV_PIXEL = corners(9, 6, 0.1), 0.2
 KOIDE_K = np.array([[300.0, 0, 320], [0, 300, 240], [0, 0, 1]])
 KOIDE_BOARD = corners(7, 5, 0.1)
 

@@ -17,5 +17,6 @@ PYBIND11_MODULE(_core, m)
     bindLightPlane(m);
     bindStripe(m);
     bindRefine(m);
+    bindVerify(m);
     bindMeasure(m);
 }

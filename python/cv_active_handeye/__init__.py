@@ -42,6 +42,8 @@ from ._core import (
     RefineParams,
     RefineSummary,
     StripeParams,
+    VerifyParams,
+    VerifySummary,
     associateStripes,
     calibrateHandEyeRotation,
     calibrateHandEyeTranslations,
@@ -51,7 +53,9 @@ from ._core import (
     estimateFOE,
     groupViews,
     refineHandEye,
+    reprojectStripe,
     splitStripe,
+    verifyHandEye,
 )
 from ._core import version as __version__
 
@@ -82,6 +86,8 @@ __all__ = [
     "RefineParams",
     "RefineSummary",
     "StripeParams",
+    "VerifyParams",
+    "VerifySummary",
     "__version__",
     "associateStripes",
     "calibrateHandEyeRotation",
@@ -92,5 +98,7 @@ __all__ = [
     "estimateFOE",
     "groupViews",
     "refineHandEye",
+    "reprojectStripe",
     "splitStripe",
+    "verifyHandEye",
 ]

@@ -21,7 +21,7 @@ static CalibrationState stateOf(const HandEyeCalibration& calibration, const Ali
 }
 
 HandEyeRefinement::HandEyeRefinement(const RefineMeasurements& measurements, const RefineParams& params,
-                                     const HandEyeCalibration& start)
+                                     const HandEyeCalibration& start, const std::vector<int>& doubted)
     : measurements_(measurements), params_(params), turns_(measurements.gripper2base), start_(start),
       tracks_(measurements.imagePoints, measurements.pointSigmas, measurements.objectPoints),
       problem_(tracks_, segments_, measurements.gripper2base, stateOf(start, measurements.gripper2base),
@@ -32,7 +32,21 @@ HandEyeRefinement::HandEyeRefinement(const RefineMeasurements& measurements, con
         lensModel_ = params.flags & REFINE_FIX_K ? LENS_FIXED : LENS_K1_K2;
     const bool isExact = params.robotTranslationSigma == 0;
     problem_.unknowns.poses.assign(measurements.gripper2base.size(), isExact ? POSE_EXACT : POSE_PRIOR);
+    for (int view : doubted)
+        if (!isExact)
+        {
+            problem_.unknowns.poses[view] = POSE_FREE;
+            doubtedViews_.push_back(view);
+        }
     problem_.unknowns.object = tracks_.anyKnown();
+}
+
+double HandEyeRefinement::misfit() const
+{
+    const double f = calibration().camera.K(0, 0);
+    const bool isExact = params_.robotTranslationSigma == 0;
+    const double robot = isExact ? 0 : std::hypot(problem_.noise.rotation, problem_.noise.translation / workingDistance());
+    return std::hypot(rms(), f * robot);
 }
 
 int lensCoefficients(int lensModel)

@@ -35,17 +35,18 @@ int lensCoefficients(int lensModel);
 class HandEyeRefinement
 {
 public:
+    //! doubted: views whose reported pose is not believed from the beginning.
     HandEyeRefinement(const RefineMeasurements& measurements, const RefineParams& params,
-                      const HandEyeCalibration& start);
+                      const HandEyeCalibration& start, const std::vector<int>& doubted);
 
     //! Scene points, wrong matches, first noise levels.
     void findScene();
 
-    //! Median normalised error of the image points after findScene(), whatever the poses of the views.
-    double typicalError() const { return typicalError_; }
-
     //! Maximum likelihood from the points, with the views that are not believed and the lens model.
     void fitPoints();
+
+    //! How far, in pixels, image and robot noise together move an image point.
+    double misfit() const;
 
     //! Takes the stripes in, from a first light plane on.
     void fitStripes(const LightPlane& start);
@@ -65,6 +66,10 @@ private:
     bool leaveOut(double limit);
     void leaveOutUnseenViews(const std::vector<double>& errors, double limit);
     void fitWithoutWrongMatches();
+    void firstNoiseLevels(double scale);
+    bool isDoubted(int view) const;
+    double beliefInView(int view) const;
+    bool rehabilitateView(double level);
     void doubtViews();
     double viewStatistic(int view, const Eigen::Matrix<double, 6, 6>& predicted) const;
     Eigen::Matrix<double, 6, 6> priorCovariance() const;
@@ -79,7 +84,7 @@ private:
     double workingDistance() const;
     bool isLevelGiven(int component) const;
 
-    Eigen::MatrixXd calibrationCovariance() const; //!< of the 19 columns, unobserved directions left out
+    void requireRedundancy() const;
     void summarizeParameters(RefineSummary& summary) const;
     void summarizeNoise(RefineSummary& summary) const;
     void summarizeResiduals(RefineSummary& summary) const;
@@ -98,7 +103,6 @@ private:
     LensTest lensTests_[LENS_MODELS];
     bool useStripes_ = false, converged_ = false;
     int iterations_ = 0;
-    double typicalError_ = 0;
     std::vector<std::string> culprits_, weakDirections_;
     std::vector<int> doubtedViews_;
     std::vector<int> leftOutSegments_;

@@ -59,29 +59,50 @@ void HandEyeRefinement::findScene()
     if (problem_.unknowns.object)
         placeObject(tracks_, state);
     const std::vector<double> errors = normalizedErrors(tracks_, state);
-    typicalError_ = median(errors);
-    scale = std::max(typicalError_ / medianOfRayleigh, 1e-9);
+    scale = std::max(median(errors) / medianOfRayleigh, 1e-9);
     leaveOutUnseenViews(errors, wildError * scale);
     leaveOut(wildError * scale);
     setUnknowns();
     requireTracks();
 
+    firstNoiseLevels(scale);
+}
+
+//! Typical corrections of the poses, and views whose correction is far from typical: these are doubted until a fit says otherwise.
+void HandEyeRefinement::firstNoiseLevels(double scale)
+{
+    const int views = int(measurements_.gripper2base.size());
     std::vector<double> turns, shifts;
-    for (int view = 0; view < int(poses.size()); ++view)
+    for (int view = 0; view < views; ++view)
     {
         const Vector6d correction = problem_.correction(view);
         turns.push_back(correction.head<3>().norm());
         shifts.push_back(correction.tail<3>().norm());
     }
-    const double angle = scale / state.calibration.camera.K(0, 0), medianOfMaxwell = 1.538;
-    const double first[] = {scale, 1, std::max(median(shifts) / medianOfMaxwell, angle * workingDistance()),
-                            std::max(median(turns) / medianOfMaxwell, angle)};
+    const double angle = scale / problem_.state.calibration.camera.K(0, 0), medianOfMaxwell = 1.538;
+    const double turn = std::max(median(turns) / medianOfMaxwell, angle),
+                 shift = std::max(median(shifts) / medianOfMaxwell, angle * workingDistance());
+    const double first[] = {scale, 1, shift, turn};
     const double given[] = {params_.pointSigma, params_.stripeSigma, params_.robotTranslationSigma,
                             params_.robotRotationSigma};
     double levels[NOISE_COMPONENTS];
     for (int k = 0; k < NOISE_COMPONENTS; ++k)
         levels[k] = given[k] >= 0 ? given[k] : first[k];
     problem_.noise = NoiseLevels{levels[0], levels[1], levels[2], levels[3]};
+
+    const double farFromTypical = 15;
+    for (int view = 0; view < views; ++view)
+        if (problem_.unknowns.poses[view] == POSE_PRIOR && int(doubtedViews_.size()) < views / 3 && !isDoubted(view) &&
+            (turns[view] > farFromTypical * turn || shifts[view] > farFromTypical * shift))
+        {
+            problem_.unknowns.poses[view] = POSE_FREE;
+            doubtedViews_.push_back(view);
+        }
+}
+
+bool HandEyeRefinement::isDoubted(int view) const
+{
+    return std::count(doubtedViews_.begin(), doubtedViews_.end(), view) > 0;
 }
 
 //! Views that most of their image points contradict, whatever their pose.
@@ -98,7 +119,10 @@ void HandEyeRefinement::leaveOutUnseenViews(const std::vector<double>& errors, d
     {
         if (wrong[view] * 2 <= seen[view])
             continue;
-        doubtedViews_.push_back(view);
+        if (!isDoubted(view))
+            doubtedViews_.push_back(view);
+        if (problem_.unknowns.poses[view] == POSE_FREE)
+            problem_.unknowns.poses[view] = POSE_PRIOR;
         culprits_.push_back(cv::format("view %d: %d of its %d image points contradict the other views; it is left out (a "
                                        "wrong pose or a wrong image?)",
                                        view, wrong[view], seen[view]));
@@ -114,9 +138,8 @@ bool HandEyeRefinement::leaveOut(double limit)
     for (size_t i = 0; i < errors.size(); ++i)
     {
         PointObservation& o = tracks_.observations[i];
-        const bool isDoubted = std::count(doubtedViews_.begin(), doubtedViews_.end(), o.view) > 0 &&
-                               problem_.unknowns.poses[o.view] != POSE_FREE;
-        const bool use = errors[i] <= limit && !isDoubted;
+        const bool isLeftOut = isDoubted(o.view) && problem_.unknowns.poses[o.view] != POSE_FREE;
+        const bool use = errors[i] <= limit && !isLeftOut;
         changed = changed || use != o.used;
         o.used = use;
     }
@@ -164,11 +187,36 @@ double HandEyeRefinement::viewStatistic(int view, const Matrix6d& predicted) con
     return sum;
 }
 
+//! P-value of the correction of a view whose pose is free, were it the robot's noise.
+double HandEyeRefinement::beliefInView(int view) const
+{
+    const double redundancy = components_->effectiveRedundancy(NOISE_TRANSLATION) + components_->effectiveRedundancy(NOISE_ROTATION);
+    const double statistic = viewStatistic(view, priorCovariance() + poseCovariance(view));
+    return isLevelGiven(NOISE_ROTATION) ? chiSquareTail(statistic, 6) : fTail(statistic / 6, 6, std::max(redundancy, 1.));
+}
+
+//! Believes a view again whose correction the robot's noise explains after all. Returns whether there was one.
+bool HandEyeRefinement::rehabilitateView(double level)
+{
+    for (size_t i = 0; i < doubtedViews_.size(); ++i)
+    {
+        const int view = doubtedViews_[i];
+        if (problem_.unknowns.poses[view] != POSE_FREE || beliefInView(view) < level)
+            continue;
+        problem_.unknowns.poses[view] = POSE_PRIOR;
+        doubtedViews_.erase(doubtedViews_.begin() + i);
+        return true;
+    }
+    return false;
+}
+
 //! Frees the pose of a view whose correction the robot's noise does not explain, one at a time.
 void HandEyeRefinement::doubtViews()
 {
     const int views = int(measurements_.gripper2base.size());
     const double level = 1e-3 / views;
+    while (rehabilitateView(level))
+        fit(1e-6);
     while (int(doubtedViews_.size()) < views / 3)
     {
         int worst = -1;
@@ -182,23 +230,20 @@ void HandEyeRefinement::doubtViews()
             }
         if (worst < 0 || chiSquareTail(largest, 6) > level)
             return;
-        const CalibrationState before = problem_.state;
-        const NoiseLevels noiseBefore = problem_.noise;
         problem_.unknowns.poses[worst] = POSE_FREE;
         fit(1e-6);
-        const double redundancy = 2 / std::max(1e-12, components_->logVarianceCovariance().diagonal().tail<2>().maxCoeff());
-        if (fTail(viewStatistic(worst, priorCovariance() + poseCovariance(worst)) / 6, 6, redundancy) > level)
-        {
+        const bool isBelieved = beliefInView(worst) > level;
+        if (isBelieved)
             problem_.unknowns.poses[worst] = POSE_PRIOR;
-            problem_.state = before;
-            problem_.noise = noiseBefore;
-            fit(1e-6);
-            return;
+        else
+        {
+            doubtedViews_.push_back(worst);
+            leaveOut(params_.rejectThreshold * problem_.noise.point);
+            requireTracks();
         }
-        doubtedViews_.push_back(worst);
-        leaveOut(params_.rejectThreshold * problem_.noise.point);
-        requireTracks();
         fit(1e-6);
+        if (isBelieved)
+            return;
     }
 }
 

@@ -19,6 +19,21 @@ static const double NaN = std::numeric_limits<double>::quiet_NaN();
 static const double infinity = std::numeric_limits<double>::infinity();
 static const double weakLimit = 0.02, refusedLimit = 0.1; // of what would mean that nothing is known
 
+//! Noise levels that the data cannot tell apart make a covariance of nothing.
+void HandEyeRefinement::requireRedundancy() const
+{
+    const double smallestRedundancy = 20;
+    if (!converged_)
+        CV_Error(Error::StsNoConv, cv::format("refineHandEye: no convergence after params.maxIterations = %d; needed poses that belong to "
+                                              "the images, or a better start", params_.maxIterations));
+    const double redundancy = components_->effectiveRedundancy(NOISE_POINT);
+    if (components_->isEstimated(NOISE_POINT) && redundancy < smallestRedundancy)
+        CV_Error(Error::StsNoConv,
+                 cv::format("imagePoints: too few to tell image noise from the robot's; needed a redundancy of %g, given %.1f: add "
+                            "points or views, or give params.pointSigma",
+                            smallestRedundancy, redundancy));
+}
+
 void HandEyeRefinement::requireAnswer()
 {
     const MatrixXd& B = problem_.unknowns.calibration;
@@ -40,6 +55,7 @@ void HandEyeRefinement::requireAnswer()
         if (direction.deviation > refusedLimit && !isLens)
             refused += (refused.empty() ? "" : "; ") + direction.text;
     }
+    requireRedundancy();
     if (!refused.empty())
         CV_Error(Error::StsNoConv, "refineHandEye: the data do not determine the result: " + refused);
     const MatrixXd& seen = turns_.observed;
@@ -219,16 +235,13 @@ void HandEyeRefinement::summarizeVerdict(RefineSummary& summary) const
         }
     summary.weakDirections = weakDirections_;
     summary.iterations = iterations_;
-    summary.stopReason = converged_ ? "converged: a step no longer lowers the cost"
-                                    : cv::format("no convergence after maxIterations = %d", params_.maxIterations);
+    summary.stopReason = "converged: a step no longer lowers the cost";
     const LensTest& lens = lensTests_[lensModel_];
     const bool lensFits = lens.pValue > 1e-4;
     const bool noiseFits = !(summary.chiSquarePValue < 1e-4);
-    summary.usable = converged_ && lensFits && noiseFits;
+    summary.usable = lensFits && noiseFits;
     const double deviation = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(tool).eigenvalues()(2));
-    if (!converged_)
-        summary.message = "not usable: " + summary.stopReason;
-    else if (!lensFits)
+    if (!lensFits)
         summary.message = cv::format("not usable: the lens has distortion that lensModel = %d lacks (p = %.2g)", lensModel_,
                                      lens.pValue);
     else if (!noiseFits)

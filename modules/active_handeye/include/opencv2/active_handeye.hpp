@@ -11,6 +11,7 @@
 #include "opencv2/active_handeye/stripe.hpp"
 #include "opencv2/active_handeye/light_plane.hpp"
 #include "opencv2/active_handeye/refine.hpp"
+#include "opencv2/active_handeye/verify.hpp"
 #include "opencv2/active_handeye/measure.hpp"
 
 /**

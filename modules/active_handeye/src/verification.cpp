@@ -1,0 +1,229 @@
+// This file is part of OpenCV project.
+// It is subject to the license terms in the LICENSE file found in the top-level directory
+// of this distribution and at http://opencv.org/license.html.
+
+#include "precomp.hpp"
+#include "verification.hpp"
+#include "residuals.hpp"
+
+namespace cv { namespace active_handeye {
+
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+static const double wildError = 6; // sigmas
+static const double NaN = std::numeric_limits<double>::quiet_NaN();
+
+static CalibrationState stateOf(const HandEyeCalibration& calibration, const AlignedVector<Pose>& gripper2base)
+{
+    CalibrationState state;
+    state.calibration = calibration;
+    state.gripper2base = gripper2base;
+    return state;
+}
+
+Verification::Verification(const AlignedVector<Pose>& gripper2base, const SceneTracks& tracks,
+                           const HandEyeCalibration& calibration, const MatrixXd& covariance, const NoiseLevels& noise)
+    : gripper2base_(gripper2base), tracks_(tracks), covariance_(covariance),
+      problem_(tracks_, noSegments_, gripper2base, stateOf(calibration, gripper2base), 2.5)
+{
+    problem_.noise = noise;
+    problem_.unknowns.calibration.resize(CALIBRATION_COLUMNS, 0);
+    problem_.unknowns.poses.assign(gripper2base.size(), noise.rotation > 0 ? POSE_PRIOR : POSE_EXACT);
+}
+
+//! Columns of the calibration whose variance is known and not zero, in units of their standard deviations.
+MatrixXd Verification::testedColumns() const
+{
+    MatrixXd columns = MatrixXd::Zero(CALIBRATION_COLUMNS, POINT_COLUMNS);
+    int count = 0;
+    for (int i = 0; i < POINT_COLUMNS; ++i)
+        if (covariance_(i, i) > 0 && covariance_.row(i).allFinite())
+            columns(i, count++) = std::sqrt(covariance_(i, i));
+    return columns.leftCols(count);
+}
+
+void Verification::settle(RefineProblem& problem) const
+{
+    problem.updateClipping();
+    if (problem.unknowns.count() > 0)
+        solveLeastSquares(problem, 50, 1e-10);
+    else
+        for (int pass = 0; pass < 5; ++pass)
+        {
+            problem.costAfter(VectorXd(0));
+            problem.apply(VectorXd(0));
+        }
+}
+
+void Verification::leaveOut(double limit)
+{
+    const std::vector<double> errors = normalizedErrors(tracks_, problem_.state);
+    used = rejected = 0;
+    for (size_t i = 0; i < errors.size(); ++i)
+    {
+        tracks_.observations[i].used = errors[i] <= limit;
+        used += tracks_.observations[i].used;
+        rejected += !tracks_.observations[i].used;
+    }
+}
+
+static double typicalError(const SceneTracks& tracks, const CalibrationState& state)
+{
+    std::vector<double> errors = normalizedErrors(tracks, state);
+    std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
+    return errors[errors.size() / 2];
+}
+
+void Verification::findScene()
+{
+    if (tracks_.count() == 0)
+        CV_Error(Error::StsNoConv, "imagePoints: needed points that two views see, given none");
+    triangulate(tracks_, std::numeric_limits<double>::infinity(), problem_.state);
+    const double limit = wildError * std::max(typicalError(tracks_, problem_.state), problem_.noise.point);
+    triangulate(tracks_, limit, problem_.state);
+    leaveOut(limit);
+    settle(problem_);
+    leaveOut(wildError * std::max(typicalError(tracks_, problem_.state), problem_.noise.point));
+    settle(problem_);
+}
+
+void Verification::testDrift()
+{
+    problem_.unknowns.calibration = testedColumns();
+    MatrixXd H;
+    VectorXd gradient;
+    problem_.linearize(H, gradient);
+    const int f = int(problem_.unknowns.calibration.cols()), poses = int(H.rows()) - f;
+    MatrixXd S = H.topLeftCorner(f, f);
+    VectorXd g = gradient.head(f);
+    double squares = problem_.points().squares / std::pow(problem_.noise.point, 2);
+    if (poses > 0)
+    {
+        const Eigen::LDLT<MatrixXd> poseInformation = H.bottomRightCorner(poses, poses).ldlt();
+        S -= H.topRightCorner(f, poses) * poseInformation.solve(H.bottomLeftCorner(poses, f));
+        g -= H.topRightCorner(f, poses) * poseInformation.solve(gradient.tail(poses));
+        for (int view = 0; view < int(gripper2base_.size()); ++view)
+        {
+            const Vector6d correction = problem_.correction(view);
+            squares += correction.head<3>().squaredNorm() / std::pow(problem_.noise.rotation, 2) +
+                       correction.tail<3>().squaredNorm() / std::pow(problem_.noise.translation, 2);
+        }
+    }
+    // In the eigenvectors of S the gradient has variance lambda from the views and lambda^2 times that of the calibration.
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(S);
+    const double smallestShare = 1e-4; // of the calibration's own information: less is no test
+    int first = 0;
+    while (first < f && !(eigen.eigenvalues()(first) > smallestShare))
+        ++first;
+    driftDof = f - first;
+    const MatrixXd U = eigen.eigenvectors().rightCols(driftDof);
+    const VectorXd root = eigen.eigenvalues().tail(driftDof).cwiseSqrt();
+    const VectorXd z = root.cwiseInverse().asDiagonal() * (U.transpose() * g);
+    fitChiSquare = squares - z.squaredNorm();
+    fitDof = problem_.points().redundancy - driftDof;
+    noiseFactor = fitDof > 0 ? std::max(1., fitChiSquare / fitDof) : 1;
+
+    const MatrixXd B = problem_.unknowns.calibration.topRows<POINT_COLUMNS>();
+    const VectorXd scale = B.colwise().sum(); // one entry a column: the standard deviations
+    const MatrixXd correlation = scale.cwiseInverse().asDiagonal() * (B.cwiseSign().transpose() * covariance_ * B.cwiseSign()) *
+                                 scale.cwiseInverse().asDiagonal();
+    const MatrixXd spread = noiseFactor * MatrixXd::Identity(driftDof, driftDof) +
+                            root.asDiagonal() * (U.transpose() * correlation * U) * root.asDiagonal();
+    const Eigen::LDLT<MatrixXd> inverse(spread);
+    driftChiSquare = z.dot(inverse.solve(z));
+    const MatrixXd gain = B * correlation * U * root.asDiagonal(); // covariance of the parameters with z
+    shift = -gain * inverse.solve(z);
+    shiftDeviation = (gain * inverse.solve(gain.transpose())).diagonal().cwiseMax(0).cwiseSqrt();
+}
+
+ViewPrediction Verification::predict(int view) const
+{
+    const ViewPrediction none = {NaN, NaN, NaN, NaN};
+    SceneTracks others = tracks_;
+    for (PointObservation& o : others.observations)
+        o.used = o.used && o.view != view;
+    StripeSegments noSegments;
+    RefineProblem problem(others, noSegments, gripper2base_, problem_.state, 2.5);
+    problem.noise = problem_.noise;
+    problem.unknowns = problem_.unknowns;
+    problem.unknowns.calibration.resize(CALIBRATION_COLUMNS, 0);
+    problem.state.gripper2base[view] = gripper2base_[view];
+    settle(problem);
+
+    // The calibration's error e moves the corrected poses by -P^-1 H_pc e: covariance of (calibration, poses).
+    problem.unknowns.calibration = testedColumns();
+    MatrixXd H;
+    VectorXd gradient;
+    problem.linearize(H, gradient);
+    const int f = int(problem.unknowns.calibration.cols()), n = int(H.rows()), poses = n - f;
+    const MatrixXd B = problem.unknowns.calibration.topRows<POINT_COLUMNS>(), signs = B.cwiseSign();
+    const VectorXd scale = B.colwise().sum();
+    MatrixXd T = MatrixXd::Identity(n, f), covariance = MatrixXd::Zero(n, n);
+    if (poses > 0)
+    {
+        const MatrixXd P = H.bottomRightCorner(poses, poses).ldlt().solve(MatrixXd::Identity(poses, poses));
+        T.bottomRows(poses) = -P * H.bottomLeftCorner(poses, f);
+        covariance.bottomRightCorner(poses, poses) = P;
+    }
+    covariance += T * (scale.cwiseInverse().asDiagonal() * (signs.transpose() * covariance_ * signs) * scale.cwiseInverse().asDiagonal()) *
+                  T.transpose();
+
+    const CameraViews cameras = problem.state.views();
+    const Camera& camera = problem.state.calibration.camera;
+    const auto derivative = [&](const PointResidual& residual, int seenIn, const Vector3d& X) // by the unknowns
+    {
+        MatrixXd J = MatrixXd::Zero(2, n);
+        J.leftCols(f) = residual.byCalibration * B;
+        const int column = problem.unknowns.poseColumn(seenIn);
+        if (column >= 0)
+        {
+            J.middleCols<3>(column) = residual.byPoint * skew(X - cameras[seenIn].gripper.t);
+            J.middleCols<3>(column + 3) = -residual.byPoint;
+        }
+        return J;
+    };
+    double count = 0, errors = 0, expected = 0, lengths = 0, expectedLengths = 0;
+    const double variance = std::pow(problem.noise.point, 2);
+    for (int track = 0; track < others.count(); ++track)
+    {
+        const PointObservation* seen = 0;
+        Matrix3d A = Matrix3d::Zero();
+        MatrixXd byOthers = MatrixXd::Zero(3, n);
+        const Vector3d& X = problem.state.points[track];
+        for (int i = others.first[track]; i < others.first[track + 1]; ++i)
+        {
+            const PointObservation& o = tracks_.observations[i];
+            PointResidual residual;
+            if (o.view == view && o.used)
+                seen = &o;
+            if (!others.observations[i].used || !residual.linearize(camera, cameras[o.view], X, o.pixel))
+                continue;
+            const double information = o.inverseSigma * o.inverseSigma / variance;
+            A += information * residual.byPoint.transpose() * residual.byPoint;
+            byOthers += information * residual.byPoint.transpose() * derivative(residual, o.view, X);
+        }
+        PointResidual residual;
+        if (!seen || !others.isUsed(track) || !residual.linearize(camera, cameras[view], X, seen->pixel))
+            continue;
+        const Matrix3d pointCovariance = A.inverse();
+        const MatrixXd J = derivative(residual, view, X) - residual.byPoint * pointCovariance * byOthers;
+        const double total = (J * covariance * J.transpose()).trace() +
+                             (residual.byPoint * pointCovariance * residual.byPoint.transpose()).trace() +
+                             2 * variance / (seen->inverseSigma * seen->inverseSigma);
+        const double pixel = cameras[view].toCamera(X).z() / camera.K(0, 0); // on the scene
+        count += 1;
+        errors += residual.error.squaredNorm();
+        expected += total;
+        lengths += residual.error.squaredNorm() * pixel * pixel;
+        expectedLengths += total * pixel * pixel;
+    }
+    if (count == 0)
+        return none;
+    return ViewPrediction{std::sqrt(errors / count), std::sqrt(expected / count), std::sqrt(lengths / count),
+                          std::sqrt(expectedLengths / count)};
+}
+
+}} // namespace cv::active_handeye
