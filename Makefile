@@ -56,8 +56,10 @@ test-cpp: setup
 	@cmake -S . -B $(BUILD) -DACTIVE_HANDEYE_BUILD_TESTS=ON >$(BUILD)/configure.log || { cat $(BUILD)/configure.log; exit 1; }
 	@cmake --build $(BUILD) --target tests
 	$(BUILD)/bin/active_handeye_test --gtest_brief=1
+	$(BUILD)/bin/active_handeye_test_internal --gtest_brief=1
 
 test-python: test-cpp
+	-@scripts/system-packages $(PYTHON) test
 	$(BIN)/python -m pytest
 
 lint: setup
@@ -80,6 +82,7 @@ sanitize: setup
 	@cmake --preset asan-ubsan >/dev/null
 	@cmake --build --preset asan-ubsan
 	build/asan-ubsan/bin/active_handeye_test --gtest_brief=1
+	build/asan-ubsan/bin/active_handeye_test_internal --gtest_brief=1
 
 clean:
 	rm -rf build out .mypy_cache .ruff_cache .pytest_cache $(VENV)/.installed

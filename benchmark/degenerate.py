@@ -25,7 +25,7 @@ from .refine_trials import Estimate, calibrate, covered, settings
 from .report import Cell, Measure, Report, Table, finish, parser
 from .rough import NO_START, rough_start
 from .scene import Array
-from .world import NAMES
+from .world import DISTORTION, NAMES, World
 
 STATED, LEAST, GROSS = 95.0, 93.0, 3.0
 LEAST_OF_A_KIND, ENOUGH = 90.0, 400
@@ -44,12 +44,17 @@ class Answer:
     text: str = ""
 
 
-def judge(found: Estimate) -> Answer:
-    """Hits of the finite intervals of what was estimated."""
+def judge(world: World, found: Estimate) -> Answer:
+    """Hits of the finite intervals of what was estimated.
+
+    The coefficients of a lens model smaller than the true one are other quantities than those, and do not count.
+    """
     summary = found.summary
     deviations = np.ravel(summary.standardDeviations)
     interval: Array = np.asarray(summary.intervals95)
     asked = ~(deviations == 0)
+    if world.dist_coeffs.any() and summary.lensModel < cah.LENS_K1_K2:
+        asked[DISTORTION] = False
     finite = asked & np.isfinite(deviations)
     half = 0.5 * (interval[:, 1] - interval[:, 0])
     hits = covered(found.error, found)[finite] > 0
@@ -71,7 +76,7 @@ def trial(kind: Kind, seed: int, number: int) -> Answer:
     lens = cah.LENS_AUTO if choose else cah.LENS_K1_K2 if world.dist_coeffs.any() else cah.LENS_FIXED
     try:
         params = settings(lens, flags=cah.REFINE_ALLOW_PARTIAL if partial_answer else 0)
-        return judge(calibrate(world, recording, params, start))
+        return judge(world, calibrate(world, recording, params, start))
     except cah.error as error:
         return Answer(True, text=str(error))
 

@@ -12,7 +12,8 @@ using namespace cv::active_handeye;
 
 namespace {
 
-const char* const refineDoc = R"doc(Maximum-likelihood calibration of camera, hand-eye transform and light plane from everything that was seen.
+const char* const refineDoc =
+    R"doc(Maximum-likelihood calibration of camera, hand-eye transform and light plane from everything that was seen.
 
 Unknowns are the camera matrix, the lens distortion, R_cam2gripper and t_cam2gripper, the light plane, one plane for
 every surface, all scene points, and a correction of every robot pose with a Gaussian prior. Noise levels are estimated
@@ -143,7 +144,8 @@ RefineResult refine(const ArrayLike& R_gripper2base, const ArrayLike& t_gripper2
                                  lineSigmas, params);
         });
     const py::object light = plane.empty() ? py::object(py::none()) : array<double>(plane);
-    return py::make_tuple(rms, array<double>(K), array<double>(D), array<double>(Rx), array<double>(tx), light, summary);
+    return py::make_tuple(rms, array<double>(K), array<double>(D), array<double>(Rx), array<double>(tx), light,
+                          summary);
 }
 
 void bindParams(py::module_& m)
@@ -227,9 +229,9 @@ void bindRefine(py::module_& m)
     m.def("refineHandEye", refine, py::arg("R_gripper2base"), py::arg("t_gripper2base"), py::arg("imagePoints"),
           py::arg("cameraMatrix"), py::arg("distCoeffs"), py::arg("R_cam2gripper"), py::arg("t_cam2gripper"),
           py::arg("lightPlane"), py::kw_only(), py::arg("stripePoints") = py::none(),
-          py::arg("stripeViews") = py::none(), py::arg("surfaceIds") = py::none(),
-          py::arg("objectPoints") = py::none(), py::arg("pointSigmas") = py::none(),
-          py::arg("stripeSigmas") = py::none(), py::arg_v("params", RefineParams(), "RefineParams()"), refineDoc);
+          py::arg("stripeViews") = py::none(), py::arg("surfaceIds") = py::none(), py::arg("objectPoints") = py::none(),
+          py::arg("pointSigmas") = py::none(), py::arg("stripeSigmas") = py::none(),
+          py::arg_v("params", RefineParams(), "RefineParams()"), refineDoc);
 }
 
 } // namespace active_handeye_python

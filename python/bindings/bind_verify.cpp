@@ -79,8 +79,7 @@ VerifyResult verify(const ArrayLike& R_gripper2base, const ArrayLike& t_gripper2
     const cv::Mat Rx = matrix(R_cam2gripper, "R_cam2gripper"), tx = matrix(t_cam2gripper, "t_cam2gripper");
     const cv::Mat C = matrix(covariance, "covariance");
     VerifySummary summary;
-    const double rms =
-        unlocked([&] { return verifyHandEye(R, t, points, K, D, Rx, tx, C, summary, sigmas, params); });
+    const double rms = unlocked([&] { return verifyHandEye(R, t, points, K, D, Rx, tx, C, summary, sigmas, params); });
     return py::make_tuple(rms, summary);
 }
 

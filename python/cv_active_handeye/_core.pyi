@@ -11,7 +11,22 @@ import typing
 __all__: list[str] = [
     "FOE_LEAST_SQUARES",
     "FOE_RANSAC",
+    "LENS_AUTO",
+    "LENS_FIXED",
+    "LENS_K1",
+    "LENS_K1_K2",
+    "LENS_K3",
+    "LENS_TANGENTIAL",
+    "REFINE_ALLOW_PARTIAL",
+    "REFINE_FIX_ASPECT",
+    "REFINE_FIX_K",
+    "REFINE_FIX_LIGHT_PLANE",
+    "REFINE_FIX_ROTATION",
+    "REFINE_FIX_TRANSLATION",
+    "REFINE_SKEW",
     "ROTATION_ALLOW_PARTIAL",
+    "RefineParams",
+    "RefineSummary",
     "STRIPE_HORIZONTAL",
     "STRIPE_VERTICAL",
     "StripeParams",
@@ -20,6 +35,8 @@ __all__: list[str] = [
     "TRANSLATIONS_METRIC",
     "TRANSLATIONS_SQUARE_PIXELS",
     "TRANSLATIONS_ZERO_SKEW",
+    "VerifyParams",
+    "VerifySummary",
     "associateStripes",
     "calibrateHandEyeRotation",
     "calibrateHandEyeTranslations",
@@ -28,7 +45,10 @@ __all__: list[str] = [
     "error",
     "estimateFOE",
     "groupViews",
+    "refineHandEye",
+    "reprojectStripe",
     "splitStripe",
+    "verifyHandEye",
     "version",
 ]
 
@@ -93,6 +113,245 @@ class StripeParams:
     def sigma(self) -> float: ...
     @sigma.setter
     def sigma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class RefineParams:
+    """
+    Settings of refineHandEye.
+
+    Attributes:
+        flags: combination of REFINE_FIX_K, REFINE_SKEW, REFINE_FIX_ASPECT, REFINE_FIX_ROTATION, REFINE_FIX_TRANSLATION,
+            REFINE_FIX_LIGHT_PLANE, REFINE_ALLOW_PARTIAL; default 0.
+        lensModel: LENS_AUTO (default: chosen by a test; LENS_FIXED with REFINE_FIX_K), LENS_FIXED, LENS_K1, LENS_K1_K2,
+            LENS_TANGENTIAL or LENS_K3: the distortion coefficients that are estimated, the others stay as given.
+        pointSigma: standard deviation of one image coordinate, pixels (with pointSigmas: their common factor); negative
+            (default) = estimated.
+        stripeSigma: standard deviation of a segment's line, pixels (with stripeSigmas: their common factor); negative
+            (default) = estimated.
+        robotTranslationSigma: standard deviation of each coordinate of the robot's position; 0 = exact, negative
+            (default) = estimated.
+        robotRotationSigma: standard deviation of each component of the robot's rotation vector, rad; 0 = exact, negative
+            (default) = estimated.
+        huberThreshold: error in sigmas from which the pull of an image point no longer grows; default 2.5.
+        rejectThreshold: error in sigmas from which an image point is left out; default 4.5.
+        maxIterations: of one least-squares solution; default 50.
+        orientationTolerance: for the closed-form start, degrees; default 0.05.
+    """
+    def __init__(self) -> None: ...
+    @property
+    def flags(self) -> int: ...
+    @flags.setter
+    def flags(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def huberThreshold(self) -> float: ...
+    @huberThreshold.setter
+    def huberThreshold(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def lensModel(self) -> int: ...
+    @lensModel.setter
+    def lensModel(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def maxIterations(self) -> int: ...
+    @maxIterations.setter
+    def maxIterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def orientationTolerance(self) -> float: ...
+    @orientationTolerance.setter
+    def orientationTolerance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def pointSigma(self) -> float: ...
+    @pointSigma.setter
+    def pointSigma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def rejectThreshold(self) -> float: ...
+    @rejectThreshold.setter
+    def rejectThreshold(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def robotRotationSigma(self) -> float: ...
+    @robotRotationSigma.setter
+    def robotRotationSigma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def robotTranslationSigma(self) -> float: ...
+    @robotTranslationSigma.setter
+    def robotTranslationSigma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def stripeSigma(self) -> float: ...
+    @stripeSigma.setter
+    def stripeSigma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class RefineSummary:
+    """
+    What refineHandEye found out besides the calibration.
+
+    Lengths in the unit of t_gripper2base, angles in rad, image in pixels. V views, N points, S stripe segments.
+
+    Attributes:
+        usable: whether the result may be used.
+        message: the verdict in a sentence.
+        stopReason: why the iterations ended.
+        iterations: of all least-squares solutions together.
+        rms: RMS distance of the image points used from their predictions.
+        parameterNames: fx, fy, cx, cy, skew, k1, k2, p1, p2, k3, rx, ry, rz, tx, ty, tz, nx, ny, nz, d; rx, ry, rz is the
+            rotation error vector in the gripper frame: true R = exp(error) R_cam2gripper.
+        covariance: (20, 20); rows of fixed parameters are 0, variances of unobserved ones infinite.
+        standardDeviations: (20, 1).
+        degreesOfFreedom: (20, 1) of Student's t for the intervals (Satterthwaite).
+        intervals95: (20, 2) lower and upper end; the rotation error vector's is around 0.
+        pointSigma, stripeSigma, robotTranslationSigma, robotRotationSigma: noise levels used.
+        noiseLevels: (4, 4), rows in this order: level, 95 % interval (lower, upper), 1 when it was estimated.
+        chiSquare, chiSquareDof, chiSquarePValue: test of the noise levels that were given; NaN when none was.
+        lensModel: the LENS_ constant used.
+        lensTests: (5, 4), one row for LENS_FIXED to LENS_K3: Wald statistic of the coefficients the model lacks, their
+            number, p-value, information criterion.
+        poseCorrections: (V, 6) rotation vector and translation in the base frame: true R = exp(w) R_gripper2base.
+        viewRms: (V, 1) RMS residual of the points used.
+        residuals: (V, 2 N): dx, dy of every point, predicted - measured; NaN = not seen.
+        rejectedObservations: (V, N) uint8, 1 where an image point was left out.
+        rejectedViews: views whose reported pose was not believed.
+        rejectedSegments: stripe segments left out.
+        stripeResiduals: (S, 2) distances of the two ends of every segment from its prediction; NaN = not used.
+        culprits: what was left out or not believed, and why.
+        scenePoints: (N, 3) in the base frame; NaN = not determined.
+        weakDirections: what the data determine badly, and what motion would cure it.
+        workingDistance: median depth of the scene points.
+        toolCovariance: (3, 3), gripper frame, of a scene point on the central ray at the working distance.
+    """
+    @property
+    def chiSquare(self) -> float: ...
+    @property
+    def chiSquareDof(self) -> float: ...
+    @property
+    def chiSquarePValue(self) -> float: ...
+    @property
+    def covariance(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def culprits(self) -> list[str]: ...
+    @property
+    def degreesOfFreedom(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def intervals95(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def iterations(self) -> int: ...
+    @property
+    def lensModel(self) -> int: ...
+    @property
+    def lensTests(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def message(self) -> str: ...
+    @property
+    def noiseLevels(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def parameterNames(self) -> list[str]: ...
+    @property
+    def pointSigma(self) -> float: ...
+    @property
+    def poseCorrections(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def rejectedObservations(self) -> numpy.typing.NDArray[numpy.uint8]: ...
+    @property
+    def rejectedSegments(self) -> list[int]: ...
+    @property
+    def rejectedViews(self) -> list[int]: ...
+    @property
+    def residuals(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def rms(self) -> float: ...
+    @property
+    def robotRotationSigma(self) -> float: ...
+    @property
+    def robotTranslationSigma(self) -> float: ...
+    @property
+    def scenePoints(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def standardDeviations(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def stopReason(self) -> str: ...
+    @property
+    def stripeResiduals(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def stripeSigma(self) -> float: ...
+    @property
+    def toolCovariance(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def usable(self) -> bool: ...
+    @property
+    def viewRms(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def weakDirections(self) -> list[str]: ...
+    @property
+    def workingDistance(self) -> float: ...
+
+class VerifyParams:
+    """
+    Noise levels that verifyHandEye takes as known.
+
+    Attributes:
+        pointSigma: of one image coordinate, pixels (with pointSigmas: their common factor); default 0.1.
+        robotTranslationSigma: of each coordinate of the robot's position; default 0 = exact.
+        robotRotationSigma: of each component of the robot's rotation vector, rad; default 0 = exact.
+        significance: p-value below which the calibration is not valid any more; default 0.01.
+    """
+    def __init__(self) -> None: ...
+    @property
+    def pointSigma(self) -> float: ...
+    @pointSigma.setter
+    def pointSigma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def robotRotationSigma(self) -> float: ...
+    @robotRotationSigma.setter
+    def robotRotationSigma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def robotTranslationSigma(self) -> float: ...
+    @robotTranslationSigma.setter
+    def robotTranslationSigma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def significance(self) -> float: ...
+    @significance.setter
+    def significance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class VerifySummary:
+    """
+    What verifyHandEye found.
+
+    Attributes:
+        valid: whether the new views agree with the calibration within its covariance.
+        message: the verdict in a sentence.
+        driftChiSquare, driftDof, driftPValue: test of the calibration's parameters against the new views.
+        fitChiSquare, fitDof, fitPValue: test of the residuals that are left when the parameters may shift.
+        shift: (20, 1) most likely shift of the parameters, in the order of RefineSummary.parameterNames.
+        shiftDeviations: (20, 1) its standard deviations when nothing has changed; 0 = not tested.
+        viewErrors: (V, 4) every view predicted from the others: RMS error and RMS expected error of its image points,
+            pixels, and the same two on the scene, unit of t_gripper2base; NaN where no point is seen in another view.
+        contradictingViews: views whose error is far more than expected.
+        usedObservations, rejectedObservations: counts of image points.
+    """
+    @property
+    def contradictingViews(self) -> list[int]: ...
+    @property
+    def driftChiSquare(self) -> float: ...
+    @property
+    def driftDof(self) -> float: ...
+    @property
+    def driftPValue(self) -> float: ...
+    @property
+    def fitChiSquare(self) -> float: ...
+    @property
+    def fitDof(self) -> float: ...
+    @property
+    def fitPValue(self) -> float: ...
+    @property
+    def message(self) -> str: ...
+    @property
+    def rejectedObservations(self) -> int: ...
+    @property
+    def shift(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def shiftDeviations(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def usedObservations(self) -> int: ...
+    @property
+    def valid(self) -> bool: ...
+    @property
+    def viewErrors(self) -> numpy.typing.NDArray[numpy.float64]: ...
 
 def associateStripes(
     R_gripper2base: numpy.typing.ArrayLike,
@@ -350,6 +609,124 @@ def groupViews(
         error: wrong input.
     """
 
+def refineHandEye(
+    R_gripper2base: numpy.typing.ArrayLike,
+    t_gripper2base: numpy.typing.ArrayLike,
+    imagePoints: numpy.typing.ArrayLike,
+    cameraMatrix: numpy.typing.ArrayLike | None,
+    distCoeffs: numpy.typing.ArrayLike | None,
+    R_cam2gripper: numpy.typing.ArrayLike | None,
+    t_cam2gripper: numpy.typing.ArrayLike | None,
+    lightPlane: numpy.typing.ArrayLike | None,
+    *,
+    stripePoints: numpy.typing.ArrayLike | None = None,
+    stripeViews: numpy.typing.ArrayLike | None = None,
+    surfaceIds: numpy.typing.ArrayLike | None = None,
+    objectPoints: numpy.typing.ArrayLike | None = None,
+    pointSigmas: numpy.typing.ArrayLike | None = None,
+    stripeSigmas: numpy.typing.ArrayLike | None = None,
+    params: RefineParams = ...,
+) -> tuple[
+    float,
+    numpy.typing.NDArray[numpy.float64],
+    numpy.typing.NDArray[numpy.float64],
+    numpy.typing.NDArray[numpy.float64],
+    numpy.typing.NDArray[numpy.float64],
+    numpy.typing.NDArray[numpy.float64] | None,
+    RefineSummary,
+]:
+    """
+    Maximum-likelihood calibration of camera, hand-eye transform and light plane from everything that was seen.
+
+    Unknowns are the camera matrix, the lens distortion, R_cam2gripper and t_cam2gripper, the light plane, one plane for
+    every surface, all scene points, and a correction of every robot pose with a Gaussian prior. Noise levels are estimated
+    by restricted maximum likelihood, so the covariance covers image noise and robot noise as the data show them.
+
+    Args:
+        R_gripper2base: V rotations of the gripper in the robot's base frame, (3, 3) or rotation vectors.
+        t_gripper2base: V translations of 3 numbers, any unit of length; the result has the same one.
+        imagePoints: V arrays (N, 2), pixels of the distorted image; row j is the same scene point in every view;
+            NaN, NaN = not seen.
+        cameraMatrix: (3, 3), start or, with REFINE_FIX_K, known; None = closed-form start.
+        distCoeffs: k1, k2, p1, p2[, k3], start or known; None = zero.
+        R_cam2gripper: start, (3, 3) or rotation vector; None = closed-form start.
+        t_cam2gripper: start, 3 numbers; None = closed-form start.
+        lightPlane: start, 4 numbers nx, ny, nz, d; None = closed-form start. Only used with stripes.
+        stripePoints: S straight stripe segments, each (M, 2), pixels of the distorted image; None = no stripes.
+        stripeViews: S integers, the view in which each segment was seen.
+        surfaceIds: S integers, the plane, fixed in the base frame, on which each segment lies; -1 = unknown, not used.
+        objectPoints: (N, 3) known coordinates of the image points in a frame of their own, NaN = unknown; the pose of
+            that frame in the base is estimated. A board is the special case where all are known.
+        pointSigmas: V arrays of N standard deviations of the image points, pixels; None = all alike.
+        stripeSigmas: S standard deviations of the segments' lines, pixels; None = from the segments' straightness.
+        params: settings.
+
+    Returns:
+        retval: RMS distance between image points and their predictions, pixels.
+        cameraMatrix: (3, 3).
+        distCoeffs: (5, 1): k1, k2, p1, p2, k3.
+        R_cam2gripper: (3, 3).
+        t_cam2gripper: (3, 1).
+        lightPlane: (4, 1): nx, ny, nz, d in the camera frame, n.X = d; None without stripes.
+        summary: covariance, intervals, noise levels, residuals, what was left out and why, verdict.
+
+    Raises:
+        error: wrong input (StsBadArg, StsBadSize, StsOutOfRange); StsNoConv when the data do not determine the result;
+            the text names what is missing.
+
+    Source: doc/method/refine.md.
+    """
+
+def reprojectStripe(
+    stripePoints: numpy.typing.ArrayLike,
+    cameraMatrix: numpy.typing.ArrayLike,
+    distCoeffs: numpy.typing.ArrayLike | None,
+    lightPlane: numpy.typing.ArrayLike,
+    *,
+    R_cam2gripper: numpy.typing.ArrayLike | None = None,
+    t_cam2gripper: numpy.typing.ArrayLike | None = None,
+    R_gripper2base: numpy.typing.ArrayLike | None = None,
+    t_gripper2base: numpy.typing.ArrayLike | None = None,
+    calibrationCovariance: numpy.typing.ArrayLike | None = None,
+    pixelSigmas: numpy.typing.ArrayLike | None = None,
+    robotTranslationSigma: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    robotRotationSigma: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64] | None]:
+    """
+    Points in space from the pixels of a laser stripe, with their covariances.
+
+    The viewing ray of a pixel meets the light plane in one point. Without the transforms the points are in the camera frame, with
+    R_cam2gripper and t_cam2gripper in the gripper frame, with the robot's pose as well in the base frame. All pixels of one
+    call were seen in one view. Covariances are first order in the errors of calibration, pixel and robot pose, as far as
+    these are given; the points of one call share the errors of calibration and pose.
+
+    Args:
+        stripePoints: (M, 2) pixels of the distorted image, as from detectStripe; M may be 0.
+        cameraMatrix: (3, 3).
+        distCoeffs: k1, k2, p1, p2[, k3] as in OpenCV; None = no distortion.
+        lightPlane: nx, ny, nz, d in the camera frame, n.X = d, |n| = 1, d > 0.
+        R_cam2gripper: rotation of the camera in the gripper frame, (3, 3) or rotation vector; None with t_cam2gripper.
+        t_cam2gripper: position of the camera in the gripper frame, in the unit of d.
+        R_gripper2base: rotation of the gripper in this view, (3, 3) or rotation vector; None with t_gripper2base.
+        t_gripper2base: position of the gripper in this view, in the unit of d.
+        calibrationCovariance: (20, 20), RefineSummary.covariance; infinite variances mark parameters that were not observed.
+        pixelSigmas: standard deviation of each image coordinate, pixels: one number or M numbers.
+        robotTranslationSigma: standard deviation of each coordinate of t_gripper2base.
+        robotRotationSigma: standard deviation of each component of the rotation error vector w of the robot, rad: true R =
+            exp(w) R_gripper2base.
+
+    Returns:
+        points3D: (M, 3), in the unit of d.
+        covariances: (M, 3, 3); None when no source of error is given. A coordinate that hangs on a parameter of infinite
+            variance has infinite variance, and covariance 0 with the others.
+
+    Raises:
+        error: wrong input (StsBadArg, StsBadSize, StsOutOfRange); pixels whose ray does not meet the light plane in front of
+            the camera (they are named).
+
+    Source: doc/method/measure.md; the paper's equation (1).
+    """
+
 def splitStripe(
     stripePoints: numpy.typing.ArrayLike,
     sigmas: numpy.typing.ArrayLike | None,
@@ -379,8 +756,64 @@ def splitStripe(
         error: wrong input.
     """
 
+def verifyHandEye(
+    R_gripper2base: numpy.typing.ArrayLike,
+    t_gripper2base: numpy.typing.ArrayLike,
+    imagePoints: numpy.typing.ArrayLike,
+    cameraMatrix: numpy.typing.ArrayLike,
+    distCoeffs: numpy.typing.ArrayLike | None,
+    R_cam2gripper: numpy.typing.ArrayLike,
+    t_cam2gripper: numpy.typing.ArrayLike,
+    covariance: numpy.typing.ArrayLike,
+    *,
+    pointSigmas: numpy.typing.ArrayLike | None = None,
+    params: VerifyParams = ...,
+) -> tuple[float, VerifySummary]:
+    """
+    Asks new views whether a calibration is still valid.
+
+    Scene points are triangulated from the new views with the calibration and the reported poses; few views suffice. A
+    score test compares the shift of the parameters that the views ask for with the covariance of views and calibration
+    together; every view is also predicted from the others.
+
+    Args:
+        R_gripper2base: V rotations of the gripper in the robot's base frame, (3, 3) or rotation vectors.
+        t_gripper2base: V translations of 3 numbers, in the unit of t_cam2gripper.
+        imagePoints: V arrays (N, 2), pixels of the distorted image; row j is the same scene point in every view;
+            NaN, NaN = not seen.
+        cameraMatrix: (3, 3).
+        distCoeffs: k1, k2, p1, p2[, k3]; None = no distortion.
+        R_cam2gripper: (3, 3) or rotation vector.
+        t_cam2gripper: 3 numbers.
+        covariance: (20, 20) of the calibration, as RefineSummary.covariance.
+        pointSigmas: V arrays of N standard deviations of the image points, pixels; None = all alike.
+        params: noise levels, usually those that refineHandEye found.
+
+    Returns:
+        retval: RMS error, pixels, of the views predicted from each other.
+        summary: verdict, tests, shift of the parameters, errors of the views.
+
+    Raises:
+        error: wrong input (StsBadArg, StsBadSize, StsOutOfRange); StsNoConv when no point is seen in two views.
+
+    Source: doc/method/verify.md.
+    """
+
 FOE_LEAST_SQUARES: int = 0
 FOE_RANSAC: int = 1
+LENS_AUTO: int = -1
+LENS_FIXED: int = 0
+LENS_K1: int = 1
+LENS_K1_K2: int = 2
+LENS_K3: int = 4
+LENS_TANGENTIAL: int = 3
+REFINE_ALLOW_PARTIAL: int = 64
+REFINE_FIX_ASPECT: int = 4
+REFINE_FIX_K: int = 1
+REFINE_FIX_LIGHT_PLANE: int = 32
+REFINE_FIX_ROTATION: int = 8
+REFINE_FIX_TRANSLATION: int = 16
+REFINE_SKEW: int = 2
 ROTATION_ALLOW_PARTIAL: int = 1
 STRIPE_HORIZONTAL: int = 0
 STRIPE_VERTICAL: int = 1

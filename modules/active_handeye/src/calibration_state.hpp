@@ -64,9 +64,9 @@ struct CalibrationState
 {
     HandEyeCalibration calibration;
     Pose object2base = Pose{Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero()}; //!< frame of the known points
-    AlignedVector<Eigen::Vector4d> surfaces;                                       //!< (w, e), |.| = 1, w.X = e in the base frame
-    AlignedVector<Pose> gripper2base;                                              //!< corrected robot poses
-    AlignedVector<Eigen::Vector3d> points;                                         //!< base frame, one per track
+    AlignedVector<Eigen::Vector4d> surfaces; //!< (w, e), |.| = 1, w.X = e in the base frame
+    AlignedVector<Pose> gripper2base;        //!< corrected robot poses
+    AlignedVector<Eigen::Vector3d> points;   //!< base frame, one per track
 
     std::vector<CameraView, Eigen::aligned_allocator<CameraView>> views() const;
 };

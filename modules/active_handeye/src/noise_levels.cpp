@@ -83,7 +83,8 @@ void VarianceComponents::solve()
     const DataTerm* data[] = {&problem_.points(), &problem_.stripes()};
     for (int k = 0; k < 2; ++k)
         if (isPresent(k))
-            quadratic_(k) = (data[k]->squares + 2 * data[k]->Jtr.dot(step_) + step_.dot(data[k]->JtJ * step_)) / variance_[k];
+            quadratic_(k) =
+                (data[k]->squares + 2 * data[k]->Jtr.dot(step_) + step_.dot(data[k]->JtJ * step_)) / variance_[k];
     for (int k = NOISE_TRANSLATION; k <= NOISE_ROTATION; ++k)
         if (isPresent(k))
             quadratic_(k) = prior_[k].dot((corrections_ + step_).cwiseAbs2()) / variance_[k];
@@ -174,7 +175,8 @@ double VarianceComponents::estimate()
 
 NoiseLevels VarianceComponents::levels() const
 {
-    return NoiseLevels{std::sqrt(variance_[0]), std::sqrt(variance_[1]), std::sqrt(variance_[2]), std::sqrt(variance_[3])};
+    return NoiseLevels{std::sqrt(variance_[0]), std::sqrt(variance_[1]), std::sqrt(variance_[2]),
+                       std::sqrt(variance_[3])};
 }
 
 double VarianceComponents::degreesOfFreedom(const VectorXd& J) const

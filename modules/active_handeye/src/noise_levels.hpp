@@ -29,7 +29,8 @@ class VarianceComponents
 public:
     //! Linearised at the present state of the problem (RefineProblem::linearizeData has been called).
     //! fixedLevels: those that are not estimated.
-    VarianceComponents(const RefineProblem& problem, const bool (&isFixed)[NOISE_COMPONENTS], const double (&floors)[NOISE_COMPONENTS]);
+    VarianceComponents(const RefineProblem& problem, const bool (&isFixed)[NOISE_COMPONENTS],
+                       const double (&floors)[NOISE_COMPONENTS]);
 
     //! Fisher scoring until the levels no longer change. Returns the largest relative change of a level.
     double estimate();
@@ -64,7 +65,7 @@ private:
     const RefineProblem& problem_;
     Eigen::VectorXd prior_[NOISE_COMPONENTS]; //!< diagonal of M_k of the robot's components
     Eigen::VectorXd step_;
-    Eigen::VectorXd corrections_;             //!< of the poses at the linearisation, zero elsewhere
+    Eigen::VectorXd corrections_; //!< of the poses at the linearisation, zero elsewhere
     double variance_[NOISE_COMPONENTS], floor_[NOISE_COMPONENTS];
     int count_[NOISE_COMPONENTS];
     bool isFree_[NOISE_COMPONENTS], isAtFloor_[NOISE_COMPONENTS];

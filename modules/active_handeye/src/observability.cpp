@@ -18,7 +18,8 @@ CalibrationStep naturalUnits(const HandEyeCalibration& calibration, double worki
     const double f = calibration.camera.K(0, 0), r2 = imageRadius * imageRadius;
     CalibrationStep units;
     units << f, f, f, f, f, 1 / r2, 1 / (r2 * r2), 1 / imageRadius, 1 / imageRadius, 1 / (r2 * r2 * r2),
-        Vector3d::Ones(), Vector3d::Constant(workingDistance), 1, 1, std::max(calibration.light.d, 1e-9 * workingDistance);
+        Vector3d::Ones(), Vector3d::Constant(workingDistance), 1, 1,
+        std::max(calibration.light.d, 1e-9 * workingDistance);
     return units;
 }
 
@@ -36,8 +37,9 @@ std::string describe(const CalibrationStep& direction, double deviation, const H
                  translation = direction.segment<3>(COLUMN_TRANSLATION).squaredNorm(),
                  light = direction.tail<3>().squaredNorm();
     const double most = std::max(std::max(std::max(camera, lens), std::max(rotation, translation)), light);
-    const std::string deviates =
-        std::isfinite(deviation) ? cv::format("badly determined (standard deviation %.1f %%)", 100 * deviation) : "not observed";
+    const std::string deviates = std::isfinite(deviation)
+                                     ? cv::format("badly determined (standard deviation %.1f %%)", 100 * deviation)
+                                     : "not observed";
     if (most == translation)
         return unobservedTranslation(direction.segment<3>(COLUMN_TRANSLATION).normalized(), turns);
     if (most == rotation)
@@ -48,7 +50,8 @@ std::string describe(const CalibrationStep& direction, double deviation, const H
         const bool isFocal = direction.head<2>().squaredNorm() > 0.5 * camera;
         const Vector3d axis = calibration.cam2gripper.R.col(2);
         return std::string(isFocal ? "focal length: " : "principal point and skew: ") + deviates +
-               (isFocal ? "; add translations along and across the optical axis, gripper " : "; add translations along the optical axis, gripper ") +
+               (isFocal ? "; add translations along and across the optical axis, gripper "
+                        : "; add translations along the optical axis, gripper ") +
                vectorText(axis);
     }
     if (most == lens)
@@ -88,7 +91,8 @@ std::vector<WeakDirection> findWeakDirections(const MatrixXd& information, const
         const double deviation = value > smallest ? 1 / std::sqrt(value) : std::numeric_limits<double>::infinity();
         if (deviation <= limit)
             break;
-        const CalibrationStep direction = (basis * scale.asDiagonal() * eigen.eigenvectors().col(i)).cwiseQuotient(units);
+        const CalibrationStep direction =
+            (basis * scale.asDiagonal() * eigen.eigenvectors().col(i)).cwiseQuotient(units);
         weak.push_back(WeakDirection{direction, deviation, describe(direction, deviation, calibration, turns)});
     }
     return weak;

@@ -8,13 +8,14 @@
 namespace cv { namespace active_handeye {
 
 RefineParams::RefineParams()
-    : flags(0), lensModel(LENS_AUTO), pointSigma(-1), stripeSigma(-1), robotTranslationSigma(-1), robotRotationSigma(-1),
-      huberThreshold(2.5), rejectThreshold(4.5), maxIterations(50), orientationTolerance(0.05)
+    : flags(0), lensModel(LENS_AUTO), pointSigma(-1), stripeSigma(-1), robotTranslationSigma(-1),
+      robotRotationSigma(-1), huberThreshold(2.5), rejectThreshold(4.5), maxIterations(50), orientationTolerance(0.05)
 {}
 
 RefineSummary::RefineSummary()
     : usable(false), iterations(0), rms(0), pointSigma(0), stripeSigma(0), robotTranslationSigma(0),
-      robotRotationSigma(0), chiSquare(0), chiSquareDof(0), chiSquarePValue(0), lensModel(LENS_FIXED), workingDistance(0)
+      robotRotationSigma(0), chiSquare(0), chiSquareDof(0), chiSquarePValue(0), lensModel(LENS_FIXED),
+      workingDistance(0)
 {}
 
 namespace {
@@ -55,8 +56,9 @@ double refineHandEye(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gri
 {
     CV_TRACE_FUNCTION();
     checkRefineParams(params);
-    const RefineMeasurements measurements = readMeasurements(R_gripper2base, t_gripper2base, imagePoints, stripePoints,
-                                                             stripeViews, surfaceIds, objectPoints, pointSigmas, stripeSigmas);
+    const RefineMeasurements measurements =
+        readMeasurements(R_gripper2base, t_gripper2base, imagePoints, stripePoints, stripeViews, surfaceIds,
+                         objectPoints, pointSigmas, stripeSigmas);
     StartArguments given;
     given.cameraMatrix = cameraMatrix.getMat();
     given.distCoeffs = distCoeffs.getMat();

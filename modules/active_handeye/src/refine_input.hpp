@@ -15,15 +15,16 @@ struct RefineMeasurements
 {
     AlignedVector<Pose> gripper2base;
     std::vector<Pixels> imagePoints;
-    std::vector<std::vector<double>> pointSigmas;  //!< empty = all alike
-    AlignedVector<Eigen::Vector3d> objectPoints;   //!< NaN = unknown; empty = none known
+    std::vector<std::vector<double>> pointSigmas; //!< empty = all alike
+    AlignedVector<Eigen::Vector3d> objectPoints;  //!< NaN = unknown; empty = none known
     std::vector<Pixels> stripes;
     std::vector<int> stripeViews, surfaceIds;
     std::vector<double> stripeSigmas; //!< empty = from the segments
 };
 
 //! V arrays of N positive numbers; those of points that were not seen do not matter. Empty = none given.
-std::vector<std::vector<double>> readPointSigmas(InputArrayOfArrays pointSigmas, const std::vector<Pixels>& imagePoints);
+std::vector<std::vector<double>> readPointSigmas(InputArrayOfArrays pointSigmas,
+                                                 const std::vector<Pixels>& imagePoints);
 
 //! N points of 3 coordinates, all three finite or all three NaN. Empty = none given.
 AlignedVector<Eigen::Vector3d> readObjectPoints(InputArray objectPoints, size_t points);

@@ -204,7 +204,8 @@ void restrict(const RefineUnknowns& unknowns, DataTerm& term)
 
 Eigen::Matrix<double, 4, 3> surfaceTangent(const Eigen::Vector4d& surface)
 {
-    const Eigen::Vector4d u = (surface + (surface(0) < 0 ? -1 : 1) * Eigen::Vector4d::Unit(0)).normalized(); // Householder
+    const Eigen::Vector4d u =
+        (surface + (surface(0) < 0 ? -1 : 1) * Eigen::Vector4d::Unit(0)).normalized(); // Householder
     return (Eigen::Matrix4d::Identity() - 2 * u * u.transpose()).rightCols<3>();
 }
 
@@ -218,12 +219,12 @@ static std::vector<int> chunkBounds(const SceneTracks& tracks, const std::vector
         const int head = used[bounds.back()], size = i - bounds.back();
         const int lengthOfHead = tracks.first[head + 1] - tracks.first[head];
         const int length = tracks.first[used[i] + 1] - tracks.first[used[i]];
-        const bool isAlike = length == lengthOfHead &&
-                             std::equal(tracks.observations.begin() + tracks.first[head],
-                                        tracks.observations.begin() + tracks.first[head + 1],
-                                        tracks.observations.begin() + tracks.first[used[i]],
-                                        [](const PointObservation& a, const PointObservation& b)
-                                        { return a.view == b.view; });
+        const bool isAlike =
+            length == lengthOfHead &&
+            std::equal(tracks.observations.begin() + tracks.first[head],
+                       tracks.observations.begin() + tracks.first[head + 1],
+                       tracks.observations.begin() + tracks.first[used[i]],
+                       [](const PointObservation& a, const PointObservation& b) { return a.view == b.view; });
         if (size == largestChunk || (size > 0 && !isAlike))
             bounds.push_back(i);
     }
@@ -239,7 +240,8 @@ void RefineProblem::linearizePoints()
             used.push_back(track);
     const std::vector<int> bounds = chunkBounds(tracks, used);
     const int chunks = int(bounds.size()) - 1, pointsOfPart = 2000;
-    const int parts = std::max(1, std::min(8, int(used.size()) / pointsOfPart)); // does not depend on the number of threads
+    const int parts =
+        std::max(1, std::min(8, int(used.size()) / pointsOfPart)); // does not depend on the number of threads
     const Layout layout(unknowns);
     const CameraViews views = state.views();
     std::vector<DataTerm> sums(parts);

@@ -79,8 +79,8 @@ double RefineProblem::trackCost(int track, const CameraViews& views, const Camer
 }
 
 //! Cost of a track at X and the Gauss-Newton step from there; isRobust: with Huber's pull.
-double RefineProblem::stepOfPoint(int track, const CameraViews& views, const Camera& camera, const Vector3d& X, bool isRobust,
-                                  Vector3d& step) const
+double RefineProblem::stepOfPoint(int track, const CameraViews& views, const Camera& camera, const Vector3d& X,
+                                  bool isRobust, Vector3d& step) const
 {
     Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
     Vector3d b = Vector3d::Zero();
@@ -96,7 +96,8 @@ double RefineProblem::stepOfPoint(int track, const CameraViews& views, const Cam
         const double r = residual.error.norm() * o.inverseSigma, k = huberThreshold_ * noise.point;
         const double information = o.inverseSigma * o.inverseSigma;
         A.noalias() += information * residual.byPoint.transpose() * residual.byPoint;
-        b.noalias() += information * (isRobust ? std::min(1., k / r) : 1) * residual.byPoint.transpose() * residual.error;
+        b.noalias() +=
+            information * (isRobust ? std::min(1., k / r) : 1) * residual.byPoint.transpose() * residual.error;
         sum += huberCost(r);
     }
     step = -A.ldlt().solve(b);
@@ -121,8 +122,8 @@ double RefineProblem::movePoint(int track, const CameraViews& views, const Camer
 
 //! Moves the camera of a view as the linear model says, and the gripper with it. The images see the camera alone: a step of the
 //! hand-eye transform and the robot's poses that cancel must leave it exactly where it is, or long steps along this valley fail.
-static Pose movedPose(const Pose& pose, const Pose& cam2gripper, const Pose& movedCam2gripper, const Vector6d& handEyeStep,
-                      const Vector6d& poseStep)
+static Pose movedPose(const Pose& pose, const Pose& cam2gripper, const Pose& movedCam2gripper,
+                      const Vector6d& handEyeStep, const Vector6d& poseStep)
 {
     const Vector3d turn = poseStep.head<3>(), arm = pose.R * cam2gripper.t;
     const Eigen::Matrix3d R_cam2base = expRotation(pose.R * handEyeStep.head<3>() + turn) * pose.R * cam2gripper.R;
@@ -174,7 +175,8 @@ double RefineProblem::stripeCost(const CalibrationState& at) const
         for (int end = 0; segment.used && end < 2; ++end)
         {
             StripeResidual residual;
-            if (!residual.linearize(at.calibration, views[segment.view], at.surfaces[segment.surface], segment.ends[end]))
+            if (!residual.linearize(at.calibration, views[segment.view], at.surfaces[segment.surface],
+                                    segment.ends[end]))
                 return infinity;
             sum += std::pow(residual.error * segment.inverseSigma / noise.stripe, 2);
         }

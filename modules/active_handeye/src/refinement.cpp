@@ -45,7 +45,8 @@ double HandEyeRefinement::misfit() const
 {
     const double f = calibration().camera.K(0, 0);
     const bool isExact = params_.robotTranslationSigma == 0;
-    const double robot = isExact ? 0 : std::hypot(problem_.noise.rotation, problem_.noise.translation / workingDistance());
+    const double robot =
+        isExact ? 0 : std::hypot(problem_.noise.rotation, problem_.noise.translation / workingDistance());
     return std::hypot(rms(), f * robot);
 }
 
@@ -86,7 +87,8 @@ void HandEyeRefinement::setUnknowns()
             direction.segment<3>(COLUMN_TRANSLATION) = turns_.observed.col(i);
         columns.push_back(direction);
     }
-    for (int column = COLUMN_NORMAL; useStripes_ && column <= COLUMN_OFFSET && !(params_.flags & REFINE_FIX_LIGHT_PLANE); ++column)
+    for (int column = COLUMN_NORMAL;
+         useStripes_ && column <= COLUMN_OFFSET && !(params_.flags & REFINE_FIX_LIGHT_PLANE); ++column)
         free(column);
     problem_.unknowns.calibration.resize(CALIBRATION_COLUMNS, columns.size());
     for (size_t i = 0; i < columns.size(); ++i)

@@ -34,10 +34,12 @@ void HandEyeRefinement::requireTracks() const
         }
     const int needed = int(problem_.unknowns.calibration.cols());
     if (used < 2 || equations <= needed)
-        CV_Error(Error::StsNoConv,
-                 cv::format("imagePoints: too few points agree with the poses; needed 2 or more points with more than %d equations (2 "
-                            "per image point - 3 per scene point), given %d such points with %d equations out of %d",
-                            needed, used, equations, int(measurements_.imagePoints[0].size())));
+        CV_Error(
+            Error::StsNoConv,
+            cv::format(
+                "imagePoints: too few points agree with the poses; needed 2 or more points with more than %d equations (2 "
+                "per image point - 3 per scene point), given %d such points with %d equations out of %d",
+                needed, used, equations, int(measurements_.imagePoints[0].size())));
 }
 
 static const double medianOfRayleigh = 1.1774; // of the length of two coordinates of standard deviation 1
@@ -123,9 +125,10 @@ void HandEyeRefinement::leaveOutUnseenViews(const std::vector<double>& errors, d
             doubtedViews_.push_back(view);
         if (problem_.unknowns.poses[view] == POSE_FREE)
             problem_.unknowns.poses[view] = POSE_PRIOR;
-        culprits_.push_back(cv::format("view %d: %d of its %d image points contradict the other views; it is left out (a "
-                                       "wrong pose or a wrong image?)",
-                                       view, wrong[view], seen[view]));
+        culprits_.push_back(
+            cv::format("view %d: %d of its %d image points contradict the other views; it is left out (a "
+                       "wrong pose or a wrong image?)",
+                       view, wrong[view], seen[view]));
         problem_.state.gripper2base[view] = measurements_.gripper2base[view];
     }
 }
@@ -190,9 +193,11 @@ double HandEyeRefinement::viewStatistic(int view, const Matrix6d& predicted) con
 //! P-value of the correction of a view whose pose is free, were it the robot's noise.
 double HandEyeRefinement::beliefInView(int view) const
 {
-    const double redundancy = components_->effectiveRedundancy(NOISE_TRANSLATION) + components_->effectiveRedundancy(NOISE_ROTATION);
+    const double redundancy =
+        components_->effectiveRedundancy(NOISE_TRANSLATION) + components_->effectiveRedundancy(NOISE_ROTATION);
     const double statistic = viewStatistic(view, priorCovariance() + poseCovariance(view));
-    return isLevelGiven(NOISE_ROTATION) ? chiSquareTail(statistic, 6) : fTail(statistic / 6, 6, std::max(redundancy, 1.));
+    return isLevelGiven(NOISE_ROTATION) ? chiSquareTail(statistic, 6)
+                                        : fTail(statistic / 6, 6, std::max(redundancy, 1.));
 }
 
 //! Believes a view again whose correction the robot's noise explains after all. Returns whether there was one.

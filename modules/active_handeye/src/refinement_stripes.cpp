@@ -63,7 +63,8 @@ Vector4d fitPlane(const AlignedVector<Vector3d>& points)
     return plane.normalized();
 }
 
-double segmentError(const CalibrationState& state, const CameraViews& views, const StripeSegment& segment, const Vector4d& surface)
+double segmentError(const CalibrationState& state, const CameraViews& views, const StripeSegment& segment,
+                    const Vector4d& surface)
 {
     double worst = 0;
     for (int end = 0; end < 2; ++end)
@@ -164,7 +165,8 @@ bool HandEyeRefinement::leaveOutSegments()
     const CameraViews views = problem_.state.views();
     std::vector<double> errors;
     for (const StripeSegment& segment : segments_)
-        errors.push_back(segmentError(problem_.state, views, segment, problem_.state.surfaces[segment.surface]) * segment.inverseSigma);
+        errors.push_back(segmentError(problem_.state, views, segment, problem_.state.surfaces[segment.surface]) *
+                         segment.inverseSigma);
     std::vector<double> sorted = errors;
     std::sort(sorted.begin(), sorted.end());
     bool any = false;
@@ -188,8 +190,9 @@ void HandEyeRefinement::fitStripes(const LightPlane& start)
     for (int round = 0; round < maxRounds; ++round)
     {
         if (segments_.empty())
-            CV_Error(Error::StsNoConv, "refineHandEye: stripePoints do not agree on any surface; needed two or more segments "
-                                       "for one id in surfaceIds that lie on one plane fixed in the base frame");
+            CV_Error(Error::StsNoConv,
+                     "refineHandEye: stripePoints do not agree on any surface; needed two or more segments "
+                     "for one id in surfaceIds that lie on one plane fixed in the base frame");
         fit(1e-10);
         if (!leaveOutSegments())
             break;
@@ -207,7 +210,8 @@ void HandEyeRefinement::summarizeStripes(RefineSummary& summary) const
         for (int end = 0; end < 2; ++end)
         {
             StripeResidual residual;
-            residual.linearize(calibration(), views[segment.view], problem_.state.surfaces[segment.surface], segment.ends[end]);
+            residual.linearize(calibration(), views[segment.view], problem_.state.surfaces[segment.surface],
+                               segment.ends[end]);
             residuals(segment.segment, end) = residual.error;
         }
     writeMatrix(residuals, summary.stripeResiduals);

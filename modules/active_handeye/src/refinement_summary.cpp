@@ -24,14 +24,19 @@ void HandEyeRefinement::requireRedundancy() const
 {
     const double smallestRedundancy = 20;
     if (!converged_)
-        CV_Error(Error::StsNoConv, cv::format("refineHandEye: no convergence after params.maxIterations = %d; needed poses that belong to "
-                                              "the images, or a better start", params_.maxIterations));
+        CV_Error(
+            Error::StsNoConv,
+            cv::format("refineHandEye: no convergence after params.maxIterations = %d; needed poses that belong to "
+                       "the images, or a better start",
+                       params_.maxIterations));
     const double redundancy = components_->effectiveRedundancy(NOISE_POINT);
     if (components_->isEstimated(NOISE_POINT) && redundancy < smallestRedundancy)
-        CV_Error(Error::StsNoConv,
-                 cv::format("imagePoints: too few to tell image noise from the robot's; needed a redundancy of %g, given %.1f: add "
-                            "points or views, or give params.pointSigma",
-                            smallestRedundancy, redundancy));
+        CV_Error(
+            Error::StsNoConv,
+            cv::format(
+                "imagePoints: too few to tell image noise from the robot's; needed a redundancy of %g, given %.1f: add "
+                "points or views, or give params.pointSigma",
+                smallestRedundancy, redundancy));
 }
 
 void HandEyeRefinement::requireAnswer()
@@ -50,8 +55,8 @@ void HandEyeRefinement::requireAnswer()
     for (const WeakDirection& direction : weak)
     {
         weakDirections_.push_back(direction.text);
-        const bool isLens = direction.direction.segment<5>(COLUMN_DISTORTION).squaredNorm() >
-                            0.5 * direction.direction.squaredNorm();
+        const bool isLens =
+            direction.direction.segment<5>(COLUMN_DISTORTION).squaredNorm() > 0.5 * direction.direction.squaredNorm();
         if (direction.deviation > refusedLimit && !isLens)
             refused += (refused.empty() ? "" : "; ") + direction.text;
     }
@@ -62,8 +67,9 @@ void HandEyeRefinement::requireAnswer()
     if (seen.cols() == 3 || params_.flags & REFINE_FIX_TRANSLATION)
         return;
     if (!(params_.flags & REFINE_ALLOW_PARTIAL))
-        CV_Error(Error::StsNoConv, "refineHandEye: the turns do not determine t_cam2gripper, or set REFINE_ALLOW_PARTIAL: " +
-                                       unobservedTranslation(turns_.axis, turns_));
+        CV_Error(Error::StsNoConv,
+                 "refineHandEye: the turns do not determine t_cam2gripper, or set REFINE_ALLOW_PARTIAL: " +
+                     unobservedTranslation(turns_.axis, turns_));
     weakDirections_.push_back(unobservedTranslation(turns_.axis, turns_));
 }
 
@@ -134,7 +140,9 @@ void HandEyeRefinement::summarizeNoise(RefineSummary& summary) const
     for (int k = 0; k < NOISE_COMPONENTS; ++k)
     {
         const bool isPresent = components_->isPresent(k);
-        const double spread = std::exp(0.5 * 1.96 * std::sqrt(components_->logVarianceCovariance()(k, k))); // of a variance: half of its logarithm
+        const double spread =
+            std::exp(0.5 * 1.96 *
+                     std::sqrt(components_->logVarianceCovariance()(k, k))); // of a variance: half of its logarithm
         const double level = isPresent ? levels[k] : given[k] == 0 ? 0 : NaN;
         table.row(k) << level, level / spread, level * spread, components_->isEstimated(k);
         const bool isKnown = given[k] > 0 || (k == NOISE_POINT && !measurements_.pointSigmas.empty()) ||
@@ -242,12 +250,13 @@ void HandEyeRefinement::summarizeVerdict(RefineSummary& summary) const
     summary.usable = lensFits && noiseFits;
     const double deviation = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(tool).eigenvalues()(2));
     if (!lensFits)
-        summary.message = cv::format("not usable: the lens has distortion that lensModel = %d lacks (p = %.2g)", lensModel_,
-                                     lens.pValue);
+        summary.message = cv::format("not usable: the lens has distortion that lensModel = %d lacks (p = %.2g)",
+                                     lensModel_, lens.pValue);
     else if (!noiseFits)
-        summary.message = cv::format("not usable: residuals and pose corrections are larger than the noise levels given "
-                                     "(chi-square %.4g for %.0f degrees of freedom, p = %.2g)",
-                                     summary.chiSquare, summary.chiSquareDof, summary.chiSquarePValue);
+        summary.message =
+            cv::format("not usable: residuals and pose corrections are larger than the noise levels given "
+                       "(chi-square %.4g for %.0f degrees of freedom, p = %.2g)",
+                       summary.chiSquare, summary.chiSquareDof, summary.chiSquarePValue);
     else
         summary.message = cv::format("usable: a point at the working distance of %.4g is known to %.2g (unit of "
                                      "t_gripper2base, 95 %%) in the gripper frame",

@@ -116,7 +116,7 @@ bool StripeResidual::linearize(const HandEyeCalibration& calibration, const Came
     byLine /= length;
     const Eigen::RowVector2d byRay = line.head<2>().transpose() / length;
 
-    const double byDistance = light.n.dot(byLine);                      // by e_c
+    const double byDistance = light.n.dot(byLine);                     // by e_c
     const Eigen::RowVector3d byNormal = -light.d * byLine.transpose(); // by w_c
     const Eigen::RowVector3d bySurfaceNormal = byNormal * view.R_base2cam;
     byCalibration.setZero();

@@ -30,7 +30,8 @@ struct PointResidual
                         const Eigen::Vector2d& pixel);
 
     //! Error and all derivatives.
-    bool linearize(const Camera& camera, const CameraView& view, const Eigen::Vector3d& X, const Eigen::Vector2d& pixel);
+    bool linearize(const Camera& camera, const CameraView& view, const Eigen::Vector3d& X,
+                   const Eigen::Vector2d& pixel);
 };
 
 //! Derivative of the viewing ray (x, y) of a fixed pixel by fx, fy, cx, cy, skew, k1, k2, p1, p2, k3.

@@ -152,7 +152,8 @@ void placeObject(const SceneTracks& tracks, CalibrationState& state)
         }
     if (both.size() < 3)
         CV_Error(Error::StsNoConv,
-                 cv::format("objectPoints: needed 3 or more known points that several views see, given %d", int(both.size())));
+                 cv::format("objectPoints: needed 3 or more known points that several views see, given %d",
+                            int(both.size())));
     from /= double(both.size());
     to /= double(both.size());
     Matrix3d M = Matrix3d::Zero();

@@ -34,8 +34,9 @@ struct SceneTracks
 
     AlignedVector<PointObservation> observations;
     std::vector<int> first = std::vector<int>(1, 0);
-    std::vector<int> column;             //!< of imagePoints
-    AlignedVector<Eigen::Vector3d> known; //!< coordinates in the object's frame, NaN = unknown; empty without objectPoints
+    std::vector<int> column; //!< of imagePoints
+    AlignedVector<Eigen::Vector3d>
+        known; //!< coordinates in the object's frame, NaN = unknown; empty without objectPoints
 };
 
 /** Puts every scene point where its rays say, for the present calibration and poses.

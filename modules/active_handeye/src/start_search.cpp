@@ -57,7 +57,8 @@ HandEyeCalibration startOf(const StartArguments& given, const RefineParams& para
 
 } // namespace
 
-StartSearch::StartSearch(const StartArguments& given, const RefineMeasurements& measurements, const RefineParams& params)
+StartSearch::StartSearch(const StartArguments& given, const RefineMeasurements& measurements,
+                         const RefineParams& params)
     : given_(given), measurements_(measurements), params_(params), turns_(measurements.gripper2base)
 {}
 
@@ -68,8 +69,9 @@ bool StartSearch::attempt(const std::vector<int>& views, double threshold, const
     given_.setViews(measurements_, views);
     try
     {
-        std::unique_ptr<HandEyeRefinement> candidate(
-            new HandEyeRefinement(measurements_, params_, startOf(given_, params_, turns_, doubts), doubted));
+        std::unique_ptr<HandEyeRefinement> candidate(new HandEyeRefinement(measurements_, params_,
+                                                                           startOf(given_, params_, turns_, doubts),
+                                                                           doubted));
         candidate->findScene();
         candidate->fitPoints();
         const double decisive = doubted.empty() ? 1 : 0.3; // to leave out a whole group must be worth it

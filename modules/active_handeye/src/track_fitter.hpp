@@ -262,7 +262,8 @@ private:
             if (isOutlier(o))
             {
                 ++outliers_;
-                contradictionsOfView_[observations_[o].view] += !(residuals_.depth[o] > 0 && residuals_.squared[o] < far);
+                contradictionsOfView_[observations_[o].view] +=
+                    !(residuals_.depth[o] > 0 && residuals_.squared[o] < far);
             }
     }
 

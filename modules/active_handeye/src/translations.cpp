@@ -267,9 +267,8 @@ double calibrateHandEyeTranslations(InputArrayOfArrays R_gripper2base, InputArra
 {
     CV_TRACE_FUNCTION();
     ViewDoubts doubts = {largeImageNoise, {}};
-    const double rms =
-        translationsClosedForm(R_gripper2base, t_gripper2base, imagePoints, cameraMatrix, distCoeffs, R_cam2gripper,
-                               covariance, method, flags, orientationTolerance, doubts);
+    const double rms = translationsClosedForm(R_gripper2base, t_gripper2base, imagePoints, cameraMatrix, distCoeffs,
+                                              R_cam2gripper, covariance, method, flags, orientationTolerance, doubts);
     warnOfRejectedViews("calibrateHandEyeTranslations", doubts);
     return rms;
 }

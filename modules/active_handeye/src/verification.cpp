@@ -128,7 +128,8 @@ void Verification::testDrift()
 
     const MatrixXd B = problem_.unknowns.calibration.topRows<POINT_COLUMNS>();
     const VectorXd scale = B.colwise().sum(); // one entry a column: the standard deviations
-    const MatrixXd correlation = scale.cwiseInverse().asDiagonal() * (B.cwiseSign().transpose() * covariance_ * B.cwiseSign()) *
+    const MatrixXd correlation = scale.cwiseInverse().asDiagonal() *
+                                 (B.cwiseSign().transpose() * covariance_ * B.cwiseSign()) *
                                  scale.cwiseInverse().asDiagonal();
     const MatrixXd spread = noiseFactor * MatrixXd::Identity(driftDof, driftDof) +
                             root.asDiagonal() * (U.transpose() * correlation * U) * root.asDiagonal();
@@ -168,7 +169,9 @@ ViewPrediction Verification::predict(int view) const
         T.bottomRows(poses) = -P * H.bottomLeftCorner(poses, f);
         covariance.bottomRightCorner(poses, poses) = P;
     }
-    covariance += T * (scale.cwiseInverse().asDiagonal() * (signs.transpose() * covariance_ * signs) * scale.cwiseInverse().asDiagonal()) *
+    covariance += T *
+                  (scale.cwiseInverse().asDiagonal() * (signs.transpose() * covariance_ * signs) *
+                   scale.cwiseInverse().asDiagonal()) *
                   T.transpose();
 
     const CameraViews cameras = problem.state.views();

@@ -32,7 +32,8 @@ public:
     //! Predicts a view from the others. NaN where that is impossible.
     ViewPrediction predict(int view) const;
 
-    double driftChiSquare = 0, fitChiSquare = 0, noiseFactor = 1; //!< noiseFactor: of the variances, where the residuals ask for more
+    double driftChiSquare = 0, fitChiSquare = 0,
+           noiseFactor = 1; //!< noiseFactor: of the variances, where the residuals ask for more
     int driftDof = 0, fitDof = 0, used = 0, rejected = 0;
     Eigen::VectorXd shift, shiftDeviation; //!< POINT_COLUMNS
 

@@ -28,11 +28,11 @@ MatrixXd readCovariance(InputArray covariance)
     const Numbers numbers = numbersOf(covariance.getMat());
     if (int(numbers.values.size()) != parameters * parameters)
         CV_Error(Error::StsBadSize, "covariance: needed 20 x 20 numbers, given " + numbers.shape);
-    const MatrixXd all =
-        Eigen::Map<const Eigen::Matrix<double, 20, 20, Eigen::RowMajor>>(numbers.values.data());
+    const MatrixXd all = Eigen::Map<const Eigen::Matrix<double, 20, 20, Eigen::RowMajor>>(numbers.values.data());
     for (int i = 0; i < parameters; ++i)
         if (!(all(i, i) >= 0))
-            CV_Error(Error::StsBadArg, cv::format("covariance: needed variances of 0 or more, given %g at position %d", all(i, i), i));
+            CV_Error(Error::StsBadArg,
+                     cv::format("covariance: needed variances of 0 or more, given %g at position %d", all(i, i), i));
     return all.topLeftCorner(int(POINT_COLUMNS), int(POINT_COLUMNS));
 }
 
@@ -42,10 +42,12 @@ void checkVerifyParams(const VerifyParams& params)
     readPositive(params.significance, "params.significance");
     if (!(params.robotTranslationSigma >= 0 && params.robotRotationSigma >= 0) ||
         (params.robotTranslationSigma == 0) != (params.robotRotationSigma == 0))
-        CV_Error(Error::StsOutOfRange,
-                 cv::format("params.robotTranslationSigma, params.robotRotationSigma: needed two positive numbers, or 0 and 0 for "
-                            "an exact robot, given %g and %g",
-                            params.robotTranslationSigma, params.robotRotationSigma));
+        CV_Error(
+            Error::StsOutOfRange,
+            cv::format(
+                "params.robotTranslationSigma, params.robotRotationSigma: needed two positive numbers, or 0 and 0 for "
+                "an exact robot, given %g and %g",
+                params.robotTranslationSigma, params.robotRotationSigma));
 }
 
 void summarizeViews(const Verification& verification, int views, VerifySummary& summary)
@@ -80,22 +82,24 @@ void summarizeTests(const Verification& v, const VerifyParams& params, VerifySum
     summary.rejectedObservations = v.rejected;
     const std::string noise =
         v.noiseFactor > 1.2 && summary.fitPValue < params.significance
-            ? cv::format("; residuals are %.2g times what the noise levels say, which is taken into account", std::sqrt(v.noiseFactor))
+            ? cv::format("; residuals are %.2g times what the noise levels say, which is taken into account",
+                         std::sqrt(v.noiseFactor))
             : std::string();
     if (v.driftDof == 0)
         summary.message = "no answer: the new views say nothing about the calibration; add views that differ more";
     else
-        summary.message = cv::format("%s: the views ask for a shift of chi-square %.3g for %d degrees of freedom (p = %.2g)",
-                                     summary.valid ? "valid" : "not valid", v.driftChiSquare, v.driftDof, summary.driftPValue) +
-                          noise;
+        summary.message =
+            cv::format("%s: the views ask for a shift of chi-square %.3g for %d degrees of freedom (p = %.2g)",
+                       summary.valid ? "valid" : "not valid", v.driftChiSquare, v.driftDof, summary.driftPValue) +
+            noise;
 }
 
 } // namespace
 
-double verifyHandEye(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base, InputArrayOfArrays imagePoints,
-                     InputArray cameraMatrix, InputArray distCoeffs, InputArray R_cam2gripper, InputArray t_cam2gripper,
-                     InputArray covariance, VerifySummary& summary, InputArrayOfArrays pointSigmas,
-                     const VerifyParams& params)
+double verifyHandEye(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base,
+                     InputArrayOfArrays imagePoints, InputArray cameraMatrix, InputArray distCoeffs,
+                     InputArray R_cam2gripper, InputArray t_cam2gripper, InputArray covariance, VerifySummary& summary,
+                     InputArrayOfArrays pointSigmas, const VerifyParams& params)
 {
     CV_TRACE_FUNCTION();
     checkVerifyParams(params);
@@ -107,7 +111,8 @@ double verifyHandEye(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gri
     calibration.cam2gripper.t = readVector3(t_cam2gripper, "t_cam2gripper");
     const SceneTracks tracks(pixels, readPointSigmas(pointSigmas, pixels), AlignedVector<Eigen::Vector3d>());
     Verification verification(poses, tracks, calibration, readCovariance(covariance),
-                              NoiseLevels{params.pointSigma, 1, params.robotTranslationSigma, params.robotRotationSigma});
+                              NoiseLevels{params.pointSigma, 1, params.robotTranslationSigma,
+                                          params.robotRotationSigma});
     verification.findScene();
     verification.testDrift();
     summary = VerifySummary();
@@ -123,8 +128,9 @@ double verifyHandEye(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gri
             ++views;
         }
     if (views == 0)
-        CV_Error(Error::StsNoConv, "imagePoints: no view can be predicted from the others; needed points that three or more views "
-                                   "see, and a calibration and poses that belong to the images");
+        CV_Error(Error::StsNoConv,
+                 "imagePoints: no view can be predicted from the others; needed points that three or more views "
+                 "see, and a calibration and poses that belong to the images");
     return std::sqrt(squares / views);
 }
 

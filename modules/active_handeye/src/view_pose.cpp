@@ -80,7 +80,8 @@ private:
 
 Pose resectView(const SceneTracks& tracks, const CalibrationState& state, int view, double scale)
 {
-    const double coarseness[] = {1000, 100, 10, 3}; // in units of scale: wide first, so that a pose that is far off is found
+    const double coarseness[] = {1000, 100, 10,
+                                 3}; // in units of scale: wide first, so that a pose that is far off is found
     AlignedVector<SeenPoint> seen;
     for (int track = 0; track < tracks.count(); ++track)
         for (int i = tracks.first[track]; i < tracks.first[track + 1]; ++i)

@@ -125,12 +125,13 @@ private:
         return Eigen::Map<const VectorXd>(errors.data(), int(errors.size()));
     }
 
-    //! Distance of the ideal pixel from the line in which the planes of laser and surface meet, in the image.
+    //! Distance of the ideal ray from the line in which the planes of laser and surface meet, in pixels as large as K says at the start.
     VectorXd stripes(const VectorXd& step) const
     {
         const CalibrationState state = moved(step);
         const CameraViews views = state.views();
         const HandEyeCalibration& c = state.calibration;
+        const Eigen::Matrix2d toIdeal = problem_.state.calibration.camera.K.topLeftCorner<2, 2>().inverse();
         std::vector<double> errors;
         for (const StripeSegment& segment : problem_.segments)
             for (int end = 0; segment.used && end < 2; ++end)
@@ -139,9 +140,9 @@ private:
                 const Vector4d& surface = state.surfaces[segment.surface];
                 const Vector3d w = view.R_base2cam * surface.head<3>();
                 const double e = surface(3) - surface.head<3>().dot(view.centre);
-                const Vector3d line = c.camera.K.inverse().transpose() * (e * c.light.n - c.light.d * w);
-                const Vector3d ideal = c.camera.K * c.camera.ray(segment.ends[end]);
-                errors.push_back(segment.inverseSigma * line.dot(ideal) / line.head<2>().norm());
+                const Vector3d line = e * c.light.n - c.light.d * w;
+                const double distance = line.dot(c.camera.ray(segment.ends[end])) / (toIdeal.transpose() * line.head<2>()).norm();
+                errors.push_back(segment.inverseSigma * distance);
             }
         return Eigen::Map<const VectorXd>(errors.data(), int(errors.size()));
     }

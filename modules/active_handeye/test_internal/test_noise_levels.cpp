@@ -109,6 +109,8 @@ Contents everything()
     contents.knownPoints = 5;
     contents.surfaces = 3;
     contents.sameSigmas = false;
+    contents.views = 8;
+    contents.translationNoise = contents.rotationNoise = 5e-4;
     return contents;
 }
 

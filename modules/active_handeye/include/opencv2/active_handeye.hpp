@@ -26,14 +26,16 @@ the light plane.
                                 --> calibrateHandEyeRotation        t_cam2gripper
     + laser stripes             --> detectStripe, splitStripe, associateStripes
                                 --> calibrateLightPlane             lightPlane
+    everything at once          --> refineHandEye                   all parameters, noise levels, covariance, verdict
+    stripes + calibration       --> reprojectStripe                 points in space
+    new views + calibration     --> verifyHandEye                   still valid?
 
 Frames are named as in cv::calibrateHandEye: R_a2b, t_a2b map a point of frame a into frame b. A scene point X of the base frame is seen at
 \f[ x \sim K R_{cam2gripper}^T ( R_{gripper2base}^T (X - t_{gripper2base}) - t_{cam2gripper} ) \f]
 Lengths may be in any unit: the results have the same. For a fixed camera that looks at a textured object in the gripper (eye-to-hand) pass the
 inverted robot poses, as with cv::calibrateHandEye; the result is then the transform from the camera to the robot base.
 
-Everything here is closed form with its degenerate cases refused: an answer that the data cannot support is a cv::Exception
-(StsNoConv) that says what is missing.
+Degenerate cases are refused: an answer that the data cannot support is a cv::Exception (StsNoConv) that says what is missing.
 
 @{
     @defgroup active_handeye_foe Focus of expansion
@@ -41,7 +43,9 @@ Everything here is closed form with its degenerate cases refused: an answer that
     @defgroup active_handeye_rotation Translation from changes of orientation
     @defgroup active_handeye_stripe Laser stripes in images
     @defgroup active_handeye_light_plane Light plane
+    @defgroup active_handeye_refine Joint refinement
     @defgroup active_handeye_measure Points in space from stripes
+    @defgroup active_handeye_verify Is a calibration still valid?
 @}
 */
 

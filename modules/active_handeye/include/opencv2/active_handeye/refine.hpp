@@ -30,12 +30,13 @@ enum RefineFlags
 //! Which distortion coefficients are estimated; the others stay what they were
 enum LensModel
 {
-    LENS_AUTO = -1,    //!< the smallest of the five below that the data do not contradict (Wald test at 1 %); with REFINE_FIX_K: LENS_FIXED
-    LENS_FIXED = 0,    //!< none
-    LENS_K1 = 1,       //!< k1
-    LENS_K1_K2 = 2,    //!< k1, k2
+    LENS_AUTO =
+        -1, //!< the smallest of the five below that the data do not contradict (Wald test at 1 %); with REFINE_FIX_K: LENS_FIXED
+    LENS_FIXED = 0,      //!< none
+    LENS_K1 = 1,         //!< k1
+    LENS_K1_K2 = 2,      //!< k1, k2
     LENS_TANGENTIAL = 3, //!< k1, k2, p1, p2
-    LENS_K3 = 4        //!< k1, k2, p1, p2, k3
+    LENS_K3 = 4          //!< k1, k2, p1, p2, k3
 };
 
 //! Settings of #refineHandEye
@@ -72,11 +73,11 @@ struct CV_EXPORTS_W_SIMPLE RefineSummary
 {
     CV_WRAP RefineSummary();
 
-    CV_PROP_RW bool usable;             //!< whether the result may be used; message says why (not)
-    CV_PROP_RW std::string message;     //!< the verdict in a sentence
-    CV_PROP_RW std::string stopReason;  //!< why the iterations ended
-    CV_PROP_RW int iterations;          //!< of all least-squares solutions together
-    CV_PROP_RW double rms;              //!< RMS distance of the image points used from their predictions
+    CV_PROP_RW bool usable;            //!< whether the result may be used; message says why (not)
+    CV_PROP_RW std::string message;    //!< the verdict in a sentence
+    CV_PROP_RW std::string stopReason; //!< why the iterations ended
+    CV_PROP_RW int iterations;         //!< of all least-squares solutions together
+    CV_PROP_RW double rms;             //!< RMS distance of the image points used from their predictions
 
     //! fx, fy, cx, cy, skew, k1, k2, p1, p2, k3, rx, ry, rz, tx, ty, tz, nx, ny, nz, d; rx, ry, rz is the rotation error
     //! vector in the gripper frame: true R = exp(error) R_cam2gripper.
@@ -87,9 +88,10 @@ struct CV_EXPORTS_W_SIMPLE RefineSummary
     CV_PROP_RW Mat degreesOfFreedom;
     CV_PROP_RW Mat intervals95; //!< `(20x2)` lower and upper end; the rotation error vector is around 0
 
-    CV_PROP_RW double pointSigma, stripeSigma;                             //!< noise levels used; see RefineParams
-    CV_PROP_RW double robotTranslationSigma, robotRotationSigma;           //!< noise levels used; see RefineParams
-    CV_PROP_RW Mat noiseLevels; //!< `(4x4)`: rows as above; level, 95 % interval (lower, upper), 1 when it was estimated
+    CV_PROP_RW double pointSigma, stripeSigma;                   //!< noise levels used; see RefineParams
+    CV_PROP_RW double robotTranslationSigma, robotRotationSigma; //!< noise levels used; see RefineParams
+    CV_PROP_RW Mat
+        noiseLevels; //!< `(4x4)`: rows as above; level, 95 % interval (lower, upper), 1 when it was estimated
 
     //! Sum of squared normalised residuals and pose corrections at the noise levels given (RefineParams, pointSigmas),
     //! its degrees of freedom and p-value. Noise levels that were estimated fit by construction: then only the lens tests tell.
@@ -99,17 +101,20 @@ struct CV_EXPORTS_W_SIMPLE RefineSummary
     //! LENS_K3, their number, p-value, information criterion (statistic + 2 x coefficients of the model).
     CV_PROP_RW Mat lensTests;
 
-    CV_PROP_RW Mat poseCorrections; //!< `(Vx6)` rotation vector and translation in the base frame: true R = exp(w) R_gripper2base
-    CV_PROP_RW Mat viewRms;              //!< `(Vx1)` RMS residual of the points used; NaN where none was
-    CV_PROP_RW Mat residuals;            //!< `(Vx2N)`: row v holds dx, dy of every point, predicted - measured; NaN = not seen
-    CV_PROP_RW Mat rejectedObservations; //!< `(VxN)` uchar, 1 where an image point was left out
+    CV_PROP_RW Mat
+        poseCorrections; //!< `(Vx6)` rotation vector and translation in the base frame: true R = exp(w) R_gripper2base
+    CV_PROP_RW Mat viewRms;   //!< `(Vx1)` RMS residual of the points used; NaN where none was
+    CV_PROP_RW Mat residuals; //!< `(Vx2N)`: row v holds dx, dy of every point, predicted - measured; NaN = not seen
+    CV_PROP_RW Mat rejectedObservations;          //!< `(VxN)` uchar, 1 where an image point was left out
     CV_PROP_RW std::vector<int> rejectedViews;    //!< views whose reported pose was not believed
     CV_PROP_RW std::vector<int> rejectedSegments; //!< stripe segments left out
-    CV_PROP_RW Mat stripeResiduals; //!< `(Sx2)` distances of the two ends of every segment from its prediction; NaN = not used
+    CV_PROP_RW Mat
+        stripeResiduals; //!< `(Sx2)` distances of the two ends of every segment from its prediction; NaN = not used
     CV_PROP_RW std::vector<std::string> culprits; //!< what was left out or not believed, and why, one sentence each
-    CV_PROP_RW Mat scenePoints; //!< `(Nx3)` in the base frame; NaN = not determined
+    CV_PROP_RW Mat scenePoints;                   //!< `(Nx3)` in the base frame; NaN = not determined
 
-    CV_PROP_RW std::vector<std::string> weakDirections; //!< what the data determine badly, by name, and what motion would cure it
+    CV_PROP_RW std::vector<std::string>
+        weakDirections;                //!< what the data determine badly, by name, and what motion would cure it
     CV_PROP_RW double workingDistance; //!< median depth of the scene points
     //! `(3x3)` covariance, in the gripper frame, of a scene point on the central ray at the working distance, as far as
     //! the calibration causes it: "mm at the tool".
