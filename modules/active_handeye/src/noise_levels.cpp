@@ -77,7 +77,9 @@ void VarianceComponents::solve()
     MatrixXd scaled = scale.asDiagonal() * H * scale.asDiagonal();
     scaled.diagonal().array() += 1e-13; // what nothing observes gets a huge variance instead of none
     const Eigen::LLT<MatrixXd> llt(scaled);
-    covariance_ = scale.asDiagonal() * llt.solve(MatrixXd::Identity(H.rows(), H.cols())) * scale.asDiagonal();
+    covariance_ = llt.solve(MatrixXd::Identity(H.rows(), H.cols()));
+    inflation_ = covariance_.diagonal();
+    covariance_ = scale.asDiagonal() * covariance_ * scale.asDiagonal();
 
     step_ = -covariance_ * gradient;
     const DataTerm* data[] = {&problem_.points(), &problem_.stripes()};

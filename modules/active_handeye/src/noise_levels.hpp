@@ -40,6 +40,9 @@ public:
     //! Inverse of H: covariance of the reduced unknowns.
     const Eigen::MatrixXd& covariance() const { return covariance_; }
 
+    //! Largest ratio, over the first unknowns, of their variance to what it would be were all others known.
+    double varianceInflation(int unknowns) const { return inflation_.head(unknowns).maxCoeff(); }
+
     //! Where the reduced unknowns have their optimum, seen from the linearisation.
     const Eigen::VectorXd& step() const { return step_; }
 
@@ -64,7 +67,7 @@ private:
 
     const RefineProblem& problem_;
     Eigen::VectorXd prior_[NOISE_COMPONENTS]; //!< diagonal of M_k of the robot's components
-    Eigen::VectorXd step_;
+    Eigen::VectorXd step_, inflation_;
     Eigen::VectorXd corrections_; //!< of the poses at the linearisation, zero elsewhere
     double variance_[NOISE_COMPONENTS], floor_[NOISE_COMPONENTS];
     int count_[NOISE_COMPONENTS];

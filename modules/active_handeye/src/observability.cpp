@@ -28,6 +28,14 @@ std::string vectorText(const Vector3d& v)
     return cv::format("(%.2f, %.2f, %.2f)", v.x(), v.y(), v.z());
 }
 
+std::string translationText(const Vector3d& direction, const std::string& deviates, const TurnDirections& turns)
+{
+    const std::string cure = turns.observed.cols() > 0 ? "a rotation about an axis away from it, such as gripper " +
+                                                             vectorText(direction.unitOrthogonal())
+                                                       : std::string("rotations about two axes that are not parallel");
+    return "t_cam2gripper along gripper " + vectorText(direction) + ": " + deviates + "; add " + cure;
+}
+
 std::string describe(const CalibrationStep& direction, double deviation, const HandEyeCalibration& calibration,
                      const TurnDirections& turns)
 {
@@ -41,7 +49,7 @@ std::string describe(const CalibrationStep& direction, double deviation, const H
                                      ? cv::format("badly determined (standard deviation %.1f %%)", 100 * deviation)
                                      : "not observed";
     if (most == translation)
-        return unobservedTranslation(direction.segment<3>(COLUMN_TRANSLATION).normalized(), turns);
+        return translationText(direction.segment<3>(COLUMN_TRANSLATION).normalized(), deviates, turns);
     if (most == rotation)
         return "R_cam2gripper about gripper " + vectorText(direction.segment<3>(COLUMN_ROTATION).normalized()) + ": " +
                deviates + "; add translations across this axis";
@@ -63,11 +71,7 @@ std::string describe(const CalibrationStep& direction, double deviation, const H
 
 std::string unobservedTranslation(const Vector3d& direction, const TurnDirections& turns)
 {
-    const Vector3d across = direction.unitOrthogonal();
-    const bool anyTurn = turns.observed.cols() > 0;
-    return "t_cam2gripper along gripper " + vectorText(direction) + ": not observed; add " +
-           (anyTurn ? "a rotation about an axis away from it, such as gripper " + vectorText(across)
-                    : std::string("rotations about two axes that are not parallel"));
+    return translationText(direction, "not observed", turns);
 }
 
 std::vector<WeakDirection> findWeakDirections(const MatrixXd& information, const MatrixXd& basis,

@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 
 static const double NaN = std::numeric_limits<double>::quiet_NaN();
 static const double infinity = std::numeric_limits<double>::infinity();
-static const double weakLimit = 0.02, refusedLimit = 0.1; // of what would mean that nothing is known
+static const double weakLimit = 0.005, refusedLimit = 0.02; // of what would mean that nothing is known
 
 //! Noise levels that the data cannot tell apart make a covariance of nothing.
 void HandEyeRefinement::requireRedundancy() const
@@ -29,6 +29,15 @@ void HandEyeRefinement::requireRedundancy() const
             cv::format("refineHandEye: no convergence after params.maxIterations = %d; needed poses that belong to "
                        "the images, or a better start",
                        params_.maxIterations));
+    const double largestInflation = 1e10;
+    const double inflation = components_->varianceInflation(int(problem_.unknowns.calibration.cols()));
+    if (inflation > largestInflation)
+        CV_Error(
+            Error::StsNoConv,
+            cv::format(
+                "refineHandEye: the data do not determine the result (variance inflation %.2g); needed more views, in other "
+                "orientations and at other places",
+                inflation));
     const double redundancy = components_->effectiveRedundancy(NOISE_POINT);
     if (components_->isEstimated(NOISE_POINT) && redundancy < smallestRedundancy)
         CV_Error(
@@ -145,12 +154,9 @@ void HandEyeRefinement::summarizeNoise(RefineSummary& summary) const
                      std::sqrt(components_->logVarianceCovariance()(k, k))); // of a variance: half of its logarithm
         const double level = isPresent ? levels[k] : given[k] == 0 ? 0 : NaN;
         table.row(k) << level, level / spread, level * spread, components_->isEstimated(k);
-        const bool isKnown = given[k] > 0 || (k == NOISE_POINT && !measurements_.pointSigmas.empty()) ||
-                             (k == NOISE_STRIPE && !measurements_.stripeSigmas.empty());
-        if (!isPresent || !isKnown)
+        if (!isPresent || !(given[k] > 0))
             continue;
-        const double reference = given[k] > 0 ? given[k] : 1;
-        summary.chiSquare += components_->sumOfSquares(k) / (reference * reference);
+        summary.chiSquare += components_->sumOfSquares(k) / (given[k] * given[k]);
         summary.chiSquareDof += components_->effectiveRedundancy(k);
     }
     const bool isTested = summary.chiSquareDof >= 1;

@@ -103,7 +103,7 @@ void StartSearch::attemptWithoutGroups()
 
 std::unique_ptr<HandEyeRefinement> StartSearch::refinePoints()
 {
-    const double largeMisfit = 1; // px: more than a good robot's noise moves the image
+    const double largeMisfit = 2; // px: more than a good robot's noise moves the image
     std::vector<int> all(measurements_.gripper2base.size());
     std::iota(all.begin(), all.end(), 0);
     if (!attempt(all, largeImageNoise, std::vector<int>()))

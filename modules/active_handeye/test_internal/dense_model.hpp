@@ -153,6 +153,37 @@ private:
     std::vector<int> column_; //!< of each track among the free points, -1 = not free
 };
 
+//! Schur complement over the free points.
+inline DataTerm eliminated(const DenseModel& model, const MatrixXd& J, const VectorXd& errors)
+{
+    DataTerm term;
+    const int n = model.reduced(), m = 3 * model.free();
+    const MatrixXd H = J.transpose() * J;
+    const VectorXd b = J.transpose() * errors;
+    MatrixXd A = H.bottomRightCorner(m, m).inverse();
+    term.JtJ = H.topLeftCorner(n, n) - H.topRightCorner(n, m) * A * H.bottomLeftCorner(m, n);
+    term.Jtr = b.head(n) - H.topRightCorner(n, m) * A * b.tail(m);
+    term.squares = errors.squaredNorm() - b.tail(m).dot(A * b.tail(m));
+    term.redundancy = int(errors.size()) - m;
+    return term;
+}
+
+//! Entries in units of the geometric mean of their diagonal elements.
+inline void expectSameTerm(const DataTerm& expected, const DataTerm& term, double tolerance)
+{
+    ASSERT_EQ(expected.JtJ.rows(), term.JtJ.rows());
+    ASSERT_EQ(expected.JtJ.cols(), term.JtJ.cols());
+    const VectorXd scale = expected.JtJ.diagonal().cwiseMax(1e-6 * expected.JtJ.diagonal().maxCoeff()).cwiseSqrt().cwiseInverse();
+    const MatrixXd difference = scale.asDiagonal() * (term.JtJ - expected.JtJ) * scale.asDiagonal();
+    int row, column;
+    EXPECT_LE(difference.cwiseAbs().maxCoeff(&row, &column), tolerance) << "at (" << row << ", " << column << ")";
+    EXPECT_LE((term.JtJ - term.JtJ.transpose()).norm(), 1e-14 * term.JtJ.norm());
+    const double length = std::sqrt(expected.squares);
+    EXPECT_LE((term.Jtr - expected.Jtr).cwiseProduct(scale).cwiseAbs().maxCoeff(&row), tolerance * length) << "Jtr at " << row;
+    EXPECT_NEAR(expected.squares, term.squares, tolerance * expected.squares);
+    EXPECT_EQ(expected.redundancy, term.redundancy);
+}
+
 } // namespace opencv_test
 
 #endif

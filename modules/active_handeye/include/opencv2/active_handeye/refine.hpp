@@ -93,12 +93,12 @@ struct CV_EXPORTS_W_SIMPLE RefineSummary
     CV_PROP_RW Mat
         noiseLevels; //!< `(4x4)`: rows as above; level, 95 % interval (lower, upper), 1 when it was estimated
 
-    //! Sum of squared normalised residuals and pose corrections at the noise levels given (RefineParams, pointSigmas),
+    //! Sum of squared normalised residuals and pose corrections at the noise levels given (RefineParams),
     //! its degrees of freedom and p-value. Noise levels that were estimated fit by construction: then only the lens tests tell.
     CV_PROP_RW double chiSquare, chiSquareDof, chiSquarePValue;
     CV_PROP_RW int lensModel; //!< the #LensModel used
     //! `(5x4)`, one row for LENS_FIXED to LENS_K3: Wald statistic of the coefficients that this model lacks of
-    //! LENS_K3, their number, p-value, information criterion (statistic + 2 x coefficients of the model).
+    //! LENS_K3, their number, p-value, Akaike's information criterion up to a constant (statistic - 2 x their number).
     CV_PROP_RW Mat lensTests;
 
     CV_PROP_RW Mat
@@ -138,7 +138,8 @@ A missing start (an empty array) is computed by #calibrateHandEyeTranslations, #
 @param[in] imagePoints V arrays N x 2 of pixels of the recorded (distorted) images; row j is the same scene point in every view,
 (NaN, NaN) = not seen.
 @param[in,out] cameraMatrix 3 x 3; in: start, or empty.
-@param[in,out] distCoeffs k1, k2, p1, p2[, k3]; in: start, or empty = 0. Out: 5 x 1.
+@param[in,out] distCoeffs k1, k2, p1, p2[, k3]; in: start, or empty = 0. Out: 5 x 1. LENS_AUTO asks
+whether the coefficients differ from their start: give only what is known.
 @param[in,out] R_cam2gripper 3 x 3; in: start, or empty.
 @param[in,out] t_cam2gripper 3 x 1; in: start, or empty.
 @param[in,out] lightPlane (nx, ny, nz, d), 4 x 1; in: start, or empty. Out: empty when there are no stripes.
