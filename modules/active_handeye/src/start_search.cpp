@@ -6,6 +6,7 @@
 #include "closed_forms.hpp"
 #include "motion_groups.hpp"
 #include "start_search.hpp"
+#include "translations_problem.hpp"
 
 #include <iterator>
 #include <numeric>
@@ -22,12 +23,24 @@ int translationsFlags(const RefineParams& params)
     return flags;
 }
 
+//! Without turns the translations alone determine K and R, whatever the start.
+void requireDirections(const StartArguments& given, const RefineParams& params)
+{
+    const bool isKnown = (params.flags & REFINE_FIX_K) != 0;
+    const GroupTranslations motion(readRobotPoses(given.R_gripper2base, given.t_gripper2base),
+                                   params.orientationTolerance);
+    motion.requireDirections(isKnown ? 2 : 3, isKnown ? "two that are not parallel"
+                                                      : "three that are not coplanar (two with REFINE_FIX_K)");
+}
+
 //! K and R from the pure translations, t from the turns, as far as the caller gives no start.
 HandEyeCalibration startOf(const StartArguments& given, const RefineParams& params, const TurnDirections& turns,
                            ViewDoubts& doubts)
 {
     if (given.cameraMatrix.empty() && params.flags & REFINE_FIX_K)
         CV_Error(Error::StsBadArg, "cameraMatrix: needed with REFINE_FIX_K, given none");
+    if (turns.observed.cols() == 0)
+        requireDirections(given, params);
     Mat K = given.cameraMatrix, R = given.R_cam2gripper, t = given.t_cam2gripper.clone();
     if (K.empty() || R.empty())
     {
