@@ -72,6 +72,7 @@ def measured(rng: np.random.Generator, case: Case, world: World, found: Estimate
         robotTranslationSigma=found.summary.robotTranslationSigma,
         robotRotationSigma=found.summary.robotRotationSigma,
     )
+    assert covariances is not None
     return points[0] - point, covariances[0]
 
 

@@ -134,16 +134,16 @@ def calibrate(
     object_points: Array | None = None,
 ) -> Estimate:
     """refineHandEye on a recording; `start` is K, D, R, t, light plane, None = none."""
-    stripes = {}
-    if recording.stripe_points:
-        stripes = {
-            "stripePoints": recording.stripe_points,
-            "stripeViews": recording.stripe_views,
-            "surfaceIds": recording.surface_ids,
-        }
-    motion = recording.R_gripper2base, recording.t_gripper2base
     found = cah.refineHandEye(
-        *motion, recording.image_points, *start, **stripes, objectPoints=object_points, params=params
+        recording.R_gripper2base,
+        recording.t_gripper2base,
+        recording.image_points,
+        *start,
+        stripePoints=recording.stripe_points or None,
+        stripeViews=recording.stripe_views or None,
+        surfaceIds=recording.surface_ids or None,
+        objectPoints=object_points,
+        params=params,
     )
     _, K, D, R, t, plane, summary = found
     return Estimate(error_of(world, K, D, R, t, plane), (K, D, R, t, plane), summary)

@@ -27,7 +27,7 @@ from .scene import HEIGHT, WIDTH, Array
 from .stops import STOPS_24
 from .world import ROTATION, TRANSLATION, Noise, Recording
 
-LIMIT, NAMED = 1.5, 95.0
+LIMIT, NAMED, MAX_REFUSED = 1.5, 95.0, 1.0
 CASE = Case("24 stops", Noise(0.1, 0.02, 0.005), STOPS_24, points=100)
 WRONG_SHARE, SLIP, TWIST_DEG = 0.2, 0.0005, 1.0
 CAMERA = [0, 1, 2, 3]
@@ -146,7 +146,7 @@ def named(spoiled: Spoiled, found: Estimate) -> float:
 
 
 def trial(spoil: Spoiler, seed: int, number: int) -> tuple[Array, Array, float, int]:
-    """Errors (20) clean and spoiled (NaN = refused), share of culprits named, number of innocent views blamed."""
+    """Errors (20) clean and spoiled (NaN = refused or not usable), share of culprits named, innocent views blamed."""
     rng = np.random.default_rng([seed, number])
     world = CASE.world(rng)
     recording = world.record(rng, CASE.noise)
@@ -156,7 +156,8 @@ def trial(spoil: Spoiler, seed: int, number: int) -> tuple[Array, Array, float, 
         found = calibrate(world, spoiled.recording, settings(CASE.lens_model))
     except cah.error:
         return clean, np.full_like(clean, np.nan), 0.0, 0
-    return clean, found.error, named(spoiled, found), len(set(found.summary.rejectedViews) - set(spoiled.views))
+    error = found.error if found.summary.usable else np.full_like(clean, np.nan)
+    return clean, error, named(spoiled, found), len(set(found.summary.rejectedViews) - set(spoiled.views))
 
 
 def measure(workers: cluster.Workers, spoilers: Sequence[str], trials: int = 200, seed: int = 1) -> Report:
@@ -169,18 +170,24 @@ def measure(workers: cluster.Workers, spoilers: Sequence[str], trials: int = 200
         clean, spoiled = (np.array([one[i] for one in found]) for i in (0, 1))
         refused = np.isnan(spoiled[:, 0])
         share, blamed = 100 * float(np.mean([one[2] for one in found])), float(np.mean([one[3] for one in found]))
-        cells: list[Cell] = [name, int(refused.sum()), share, blamed]
+        cells: list[Cell] = [name, 100 * float(refused.mean()), share, blamed]
         worst = 0.0
         for at, unit in parts.values():
             good, bad = (_rms(errors[~refused][:, at]) for errors in (clean, spoiled))
             cells += [unit * good, unit * bad, bad / good]
             worst = max(worst, bad / good) if bad == bad else np.inf
         rows.append(cells)
-        measures.append(Measure(f"{name}: refused", int(refused.sum()), 0))
+        measures.append(Measure(f"{name}: refused or not usable [%]", 100 * float(refused.mean()), MAX_REFUSED))
         measures.append(Measure(f"{name}: error / clean error, largest", worst, LIMIT))
         measures.append(Measure(f"{name}: culprits named [%]", share, NAMED, at_least=True))
     heads = [f"{what}, {how}" for what in parts for how in ("clean", "spoiled", "ratio")]
-    columns = ("what is wrong", "refused", "culprits named [%]", "innocent views blamed, mean", *heads)
+    columns = (
+        "what is wrong",
+        "refused or not usable [%]",
+        "culprits named [%]",
+        "innocent views blamed, mean",
+        *heads,
+    )
     setup = (
         f"{trials} trials, seed {seed}; 24 stops, {CASE.points} tracks, {CASE.noise.point_px} px, robot "
         f"{CASE.noise.robot_mm} mm / {CASE.noise.robot_deg} deg, noise levels estimated. RMS errors over the trials; "

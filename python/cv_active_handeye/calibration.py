@@ -44,6 +44,8 @@ from .files import (
 )
 from .opencv_yaml import emit
 
+__all__ = ["PARAMETERS", "REFINED_KEYS", "Calibration", "Rms", "read_camera"]
+
 SCHEMA_VERSIONS = (1, 2)
 
 PARAMETERS = ("fx", "fy", "cx", "cy", "skew", "k1", "k2", "p1", "p2", "k3")

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 active_handeye contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The subset of YAML that `cv::FileStorage`, PyYAML and we read alike, each with exactly the numbers that were written.
+"""The subset of YAML that `cv::FileStorage`, PyYAML and we read alike, each with exactly the written numbers.
 
-Matrices are maps `rows`, `cols`, `dt: d`, `data`; truth values are 1 and 0, since cv::FileStorage takes `true` for text.
+Matrices are maps `rows`, `cols`, `dt: d`, `data`; truth values are 1 and 0: cv::FileStorage takes `true` for text.
 """
 
 from __future__ import annotations
@@ -58,7 +58,8 @@ def _matrix(value: np.ndarray[Any, Any], indent: str) -> str:
     matrix = value.reshape(len(value), -1)
     lines = [", ".join(_number(float(x)) for x in line) for line in (matrix.T if matrix.shape[1] == 1 else matrix)]
     rows = f",\n{indent}        ".join(lines)
-    return f"{indent}rows: {matrix.shape[0]}\n{indent}cols: {matrix.shape[1]}\n{indent}dt: d\n{indent}data: [ {rows} ]\n"
+    lines = [f"rows: {matrix.shape[0]}", f"cols: {matrix.shape[1]}", "dt: d", f"data: [ {rows} ]"]
+    return "".join(f"{indent}{line}\n" for line in lines)
 
 
 def _sequence(items: tuple[Any, ...], indent: str) -> str:

@@ -3,9 +3,9 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
-#include "input.hpp"
 #include "measure.hpp"
 #include "numbers.hpp"
+#include "refine_input.hpp"
 
 namespace cv { namespace active_handeye {
 
@@ -13,21 +13,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 namespace {
-
-LightPlane readLightPlane(InputArray lightPlane)
-{
-    const Numbers numbers = numbersOf(lightPlane.getMat());
-    if (numbers.values.size() != 4)
-        CV_Error(Error::StsBadSize, "lightPlane: needed 4 numbers (nx, ny, nz, d), given " +
-                                        (numbers.values.empty() ? "none" : numbers.shape));
-    const double* v = numbers.values.data();
-    const LightPlane light = {Vector3d(v), v[3]};
-    if (!(std::abs(light.n.norm() - 1) <= 1e-6 && light.d > 0 && std::isfinite(light.d)))
-        CV_Error(Error::StsBadArg,
-                 cv::format("lightPlane: needed (nx, ny, nz, d) with |n| = 1 and d > 0, given (%g, %g, %g, %g)", v[0],
-                            v[1], v[2], v[3]));
-    return light;
-}
 
 //! False when neither of the two was given.
 bool readPose(InputArray R, InputArray t, const char* nameOfR, const char* nameOfT, Pose& pose)

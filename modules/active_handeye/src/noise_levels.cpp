@@ -12,6 +12,29 @@ using Eigen::MatrixXd;
 using Eigen::Vector4d;
 using Eigen::VectorXd;
 
+//! (L L^T)^-1 = L^-T L^-1; columns of L^-1 are solved for in blocks, which skips the zeros above its diagonal.
+static MatrixXd inverse(const Eigen::LLT<MatrixXd>& llt)
+{
+    const int n = int(llt.rows()), width = 32;
+    const MatrixXd& L = llt.matrixLLT();
+    MatrixXd inverseOfL = MatrixXd::Identity(n, n);
+    for (int at = 0; at < n; at += width)
+    {
+        const int columns = std::min(width, n - at), rows = n - at;
+        L.bottomRightCorner(rows, rows)
+            .triangularView<Eigen::Lower>()
+            .solveInPlace(inverseOfL.block(at, at, rows, columns));
+    }
+    MatrixXd result(n, n);
+    for (int at = 0; at < n; at += width)
+    {
+        const int columns = std::min(width, n - at), rows = n - at;
+        result.block(at, 0, columns, at + columns).noalias() =
+            inverseOfL.block(at, at, rows, columns).transpose() * inverseOfL.block(at, 0, rows, at + columns);
+    }
+    return result.selfadjointView<Eigen::Lower>();
+}
+
 VarianceComponents::VarianceComponents(const RefineProblem& problem, const bool (&isFixed)[NOISE_COMPONENTS],
                                        const double (&floors)[NOISE_COMPONENTS])
     : problem_(problem)
@@ -77,7 +100,7 @@ void VarianceComponents::solve()
     MatrixXd scaled = scale.asDiagonal() * H * scale.asDiagonal();
     scaled.diagonal().array() += 1e-13; // what nothing observes gets a huge variance instead of none
     const Eigen::LLT<MatrixXd> llt(scaled);
-    covariance_ = llt.solve(MatrixXd::Identity(H.rows(), H.cols()));
+    covariance_ = inverse(llt);
     inflation_ = covariance_.diagonal();
     covariance_ = scale.asDiagonal() * covariance_ * scale.asDiagonal();
 
@@ -147,7 +170,8 @@ double VarianceComponents::estimate()
 {
     const Vector4d start(variance_);
     const int maxIterations = 100;
-    for (int iteration = 0; iteration < maxIterations; ++iteration)
+    const bool isOpen = std::any_of(isFree_, isFree_ + NOISE_COMPONENTS, [](bool free) { return free; });
+    for (int iteration = 0; iteration < maxIterations && isOpen; ++iteration)
     {
         Vector4d score = Vector4d::Zero();
         for (int k = 0; k < NOISE_COMPONENTS; ++k)

@@ -59,6 +59,8 @@ double refineHandEye(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gri
     const RefineMeasurements measurements =
         readMeasurements(R_gripper2base, t_gripper2base, imagePoints, stripePoints, stripeViews, surfaceIds,
                          objectPoints, pointSigmas, stripeSigmas);
+    if (!measurements.stripes.empty() && params.flags & REFINE_FIX_LIGHT_PLANE && lightPlane.empty())
+        CV_Error(Error::StsBadArg, "lightPlane: needed with REFINE_FIX_LIGHT_PLANE, given none");
     StartArguments given;
     given.cameraMatrix = cameraMatrix.getMat();
     given.distCoeffs = distCoeffs.getMat();
@@ -86,7 +88,9 @@ double refineHandEye(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gri
     const HandEyeCalibration& result = refinement->calibration();
     writeMatrix(result.camera.K, cameraMatrix);
     writeMatrix(distortionOf(result.camera), distCoeffs);
-    writeMatrix(result.cam2gripper.R, R_cam2gripper);
+    const bool keepsRotation = (params.flags & REFINE_FIX_ROTATION) && R_cam2gripper.total() == 9; // to the last bit
+    if (!keepsRotation)
+        writeMatrix(result.cam2gripper.R, R_cam2gripper);
     writeMatrix(result.cam2gripper.t, t_cam2gripper);
     if (measurements.stripes.empty())
         lightPlane.release();

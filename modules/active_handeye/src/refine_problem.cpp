@@ -35,18 +35,7 @@ int RefineUnknowns::count() const
 RefineProblem::RefineProblem(SceneTracks& tracks_, StripeSegments& segments_, const AlignedVector<Pose>& reported_,
                              const CalibrationState& start, double huberThreshold)
     : tracks(tracks_), segments(segments_), reported(reported_), state(start), huberThreshold_(huberThreshold)
-{
-    for (int track = 0; track < tracks.count(); ++track)
-        order_.push_back(track);
-    const auto sameViewsTogether = [this](int a, int b)
-    {
-        const auto byView = [](const PointObservation& p, const PointObservation& q) { return p.view < q.view; };
-        const auto observations = tracks.observations.begin();
-        return std::lexicographical_compare(observations + tracks.first[a], observations + tracks.first[a + 1],
-                                            observations + tracks.first[b], observations + tracks.first[b + 1], byView);
-    };
-    std::stable_sort(order_.begin(), order_.end(), sameViewsTogether);
-}
+{}
 
 Vector6d RefineProblem::correction(int view) const
 {
@@ -224,7 +213,7 @@ void RefineProblem::apply(const VectorXd&)
     state = trial_; // of costAfter() for the same step
 }
 
-void RefineProblem::updateClipping()
+bool RefineProblem::updateClipping()
 {
     const double k = huberThreshold_ * noise.point;
     const std::vector<double> errors = normalizedErrors(tracks, state);
@@ -237,7 +226,9 @@ void RefineProblem::updateClipping()
                 slopes += errors[i] <= k ? 1 : 0.5 * k / errors[i];
                 ++used;
             }
+    const double before = meanSlope_;
     meanSlope_ = used ? std::max(0.1, slopes / used) : 1;
+    return meanSlope_ != before;
 }
 
 double RefineProblem::linearize(MatrixXd& JtJ, VectorXd& Jtr)

@@ -78,8 +78,8 @@ public:
     double costAfter(const Eigen::VectorXd& step) const CV_OVERRIDE;
     void apply(const Eigen::VectorXd& step) CV_OVERRIDE;
 
-    //! Updates the share of residuals that Huber's loss clips; before every solution.
-    void updateClipping();
+    //! Updates the share of residuals that Huber's loss clips; before every solution. Returns whether it changed.
+    bool updateClipping();
 
     //! Rotation vector and translation by which a view's pose is corrected.
     Vector6d correction(int view) const;
@@ -90,6 +90,9 @@ public:
 
     //! Derivatives of all point and stripe residuals at the present state.
     void linearizeData();
+
+    //! The same for other unknowns of the calibration.
+    void restrictData();
 
     SceneTracks& tracks;
     StripeSegments& segments;
@@ -113,8 +116,7 @@ private:
     double huberCost(double r) const;
 
     double huberThreshold_, meanSlope_ = 1;
-    std::vector<int> order_; //!< tracks, those with the same views beside each other
-    DataTerm points_, stripes_;
+    DataTerm points_, stripes_, allPoints_, allStripes_; //!< for the free and for all calibration columns
     mutable CalibrationState trial_;
 };
 

@@ -116,8 +116,8 @@ void HandEyeRefinement::fit(double tolerance)
         const LeastSquaresSummary solution = solveLeastSquares(problem_, params_.maxIterations, tolerance);
         iterations_ += solution.iterations;
         converged_ = solution.converged;
-        problem_.updateClipping();
-        problem_.linearizeData();
+        if (problem_.updateClipping())
+            problem_.linearizeData(); // else as the solver left it
         const double angle = problem_.noise.point / problem_.state.calibration.camera.K(0, 0);
         const double floors[] = {1e-9, 1e-9, smallestShare * angle * workingDistance(), smallestShare * angle};
         components_.reset(new VarianceComponents(problem_, isFixed, floors));
@@ -131,10 +131,12 @@ void HandEyeRefinement::fit(double tolerance)
 void HandEyeRefinement::fitPoints()
 {
     fitWithoutWrongMatches();
-    doubtViews();
-    chooseLens();
-    fitWithoutWrongMatches();
-    doubtViews();
+    const bool otherViews = doubtViews(), otherLens = chooseLens();
+    if (otherViews || otherLens)
+    {
+        fitWithoutWrongMatches();
+        doubtViews();
+    }
     fit(1e-12);
     testLens();
 }

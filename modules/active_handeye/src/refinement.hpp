@@ -70,13 +70,13 @@ private:
     bool isDoubted(int view) const;
     double beliefInView(int view) const;
     bool rehabilitateView(double level);
-    void doubtViews();
+    bool doubtViews();
     double viewStatistic(int view, const Eigen::Matrix<double, 6, 6>& predicted) const;
     Eigen::Matrix<double, 6, 6> priorCovariance() const;
     Eigen::Matrix<double, 6, 6> poseCovariance(int view) const;
     void testLens();
     int lensOfTests() const;
-    void chooseLens();
+    bool chooseLens();
     void addSegments();
     void placeSurfaces();
     bool leaveOutSegments();

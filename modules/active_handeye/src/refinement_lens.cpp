@@ -20,7 +20,7 @@ void HandEyeRefinement::testLens()
     const double noFloors[] = {0, 0, 0, 0};
     lensModel_ = LENS_K3;
     setUnknowns();
-    problem_.linearizeData();
+    problem_.restrictData();
     const VarianceComponents full(problem_, allFixed, noFloors);
     const MatrixXd& B = problem_.unknowns.calibration;
     const MatrixXd J = B.middleRows<5>(first);
@@ -40,7 +40,7 @@ void HandEyeRefinement::testLens()
     }
     lensModel_ = chosen;
     setUnknowns();
-    problem_.linearizeData();
+    problem_.restrictData();
 }
 
 //! The smallest model that the data do not contradict.
@@ -53,21 +53,22 @@ int HandEyeRefinement::lensOfTests() const
     return model;
 }
 
-void HandEyeRefinement::chooseLens()
+bool HandEyeRefinement::chooseLens()
 {
     const bool isOpen = params_.lensModel == LENS_AUTO && !(params_.flags & REFINE_FIX_K);
-    const int maxRounds = 3;
+    const int maxRounds = 3, before = lensModel_;
     for (int round = 0; round < maxRounds && isOpen; ++round)
     {
         testLens();
         const int model = lensOfTests();
         if (model == lensModel_)
-            return;
+            break;
         lensModel_ = model;
         for (int i = lensCoefficients(model); i < 5; ++i)
             problem_.state.calibration.camera.D[i] = start_.camera.D[i];
         fit(1e-6);
     }
+    return lensModel_ != before;
 }
 
 }} // namespace cv::active_handeye

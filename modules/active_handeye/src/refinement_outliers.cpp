@@ -215,11 +215,13 @@ bool HandEyeRefinement::rehabilitateView(double level)
     return false;
 }
 
-//! Frees the pose of a view whose correction the robot's noise does not explain, one at a time.
-void HandEyeRefinement::doubtViews()
+//! Frees the pose of a view whose correction the robot's noise does not explain, one at a time. Returns whether that changed
+//! anything.
+bool HandEyeRefinement::doubtViews()
 {
     const int views = int(measurements_.gripper2base.size());
     const double level = 1e-3 / views;
+    const std::vector<int> doubtedBefore = doubtedViews_;
     while (rehabilitateView(level))
         fit(1e-6);
     while (int(doubtedViews_.size()) < views / 3)
@@ -234,7 +236,7 @@ void HandEyeRefinement::doubtViews()
                     largest = statistic, worst = view;
             }
         if (worst < 0 || chiSquareTail(largest, 6) > level)
-            return;
+            break;
         problem_.unknowns.poses[worst] = POSE_FREE;
         fit(1e-6);
         const bool isBelieved = beliefInView(worst) > level;
@@ -248,8 +250,9 @@ void HandEyeRefinement::doubtViews()
         }
         fit(1e-6);
         if (isBelieved)
-            return;
+            break;
     }
+    return doubtedViews_ != doubtedBefore;
 }
 
 }} // namespace cv::active_handeye

@@ -75,10 +75,6 @@ void HandEyeRefinement::requireAnswer()
     const MatrixXd& seen = turns_.observed;
     if (seen.cols() == 3 || params_.flags & REFINE_FIX_TRANSLATION)
         return;
-    if (!(params_.flags & REFINE_ALLOW_PARTIAL))
-        CV_Error(Error::StsNoConv,
-                 "refineHandEye: the turns do not determine t_cam2gripper, or set REFINE_ALLOW_PARTIAL: " +
-                     unobservedTranslation(turns_.axis, turns_));
     weakDirections_.push_back(unobservedTranslation(turns_.axis, turns_));
 }
 

@@ -5,6 +5,7 @@
 #include "precomp.hpp"
 #include "closed_forms.hpp"
 #include "motion_groups.hpp"
+#include "observability.hpp"
 #include "start_search.hpp"
 #include "translations_problem.hpp"
 
@@ -23,24 +24,39 @@ int translationsFlags(const RefineParams& params)
     return flags;
 }
 
-//! Without turns the translations alone determine K and R, whatever the start.
-void requireDirections(const StartArguments& given, const RefineParams& params)
+void requireGiven(const Mat& argument, const char* name, const RefineParams& params, int flag, const char* flagName)
 {
+    if (argument.empty() && params.flags & flag)
+        CV_Error(Error::StsBadArg, cv::format("%s: needed with %s, given none", name, flagName));
+}
+
+//! What no start can replace: translations for the scale, turns for t, and without turns translations in enough directions.
+void requireMotion(const RefineMeasurements& measurements, const RefineParams& params, const TurnDirections& turns)
+{
+    const AlignedVector<Pose>& poses = measurements.gripper2base;
+    double farthest = 0;
+    for (const Pose& pose : poses)
+        farthest = std::max(farthest, (pose.t - poses[0].t).norm());
+    if (measurements.objectPoints.empty() && !(farthest > 1e-9 * poses[0].t.norm()))
+        CV_Error(
+            Error::StsNoConv,
+            "t_gripper2base: the gripper only turned, which leaves the scale of t_cam2gripper open; needed views at "
+            "different places, given one place: add a translation");
     const bool isKnown = (params.flags & REFINE_FIX_K) != 0;
-    const GroupTranslations motion(readRobotPoses(given.R_gripper2base, given.t_gripper2base),
-                                   params.orientationTolerance);
-    motion.requireDirections(isKnown ? 2 : 3, isKnown ? "two that are not parallel"
-                                                      : "three that are not coplanar (two with REFINE_FIX_K)");
+    if (turns.observed.cols() < 3 && !(params.flags & (REFINE_FIX_TRANSLATION | REFINE_ALLOW_PARTIAL)))
+        CV_Error(Error::StsNoConv,
+                 "R_gripper2base: the turns do not determine t_cam2gripper, or set REFINE_ALLOW_PARTIAL: " +
+                     unobservedTranslation(turns.axis, turns));
+    if (turns.observed.cols() == 0)
+        GroupTranslations(poses, params.orientationTolerance)
+            .requireDirections(isKnown ? 2 : 3, isKnown ? "two that are not parallel"
+                                                        : "three that are not coplanar (two with REFINE_FIX_K)");
 }
 
 //! K and R from the pure translations, t from the turns, as far as the caller gives no start.
 HandEyeCalibration startOf(const StartArguments& given, const RefineParams& params, const TurnDirections& turns,
                            ViewDoubts& doubts)
 {
-    if (given.cameraMatrix.empty() && params.flags & REFINE_FIX_K)
-        CV_Error(Error::StsBadArg, "cameraMatrix: needed with REFINE_FIX_K, given none");
-    if (turns.observed.cols() == 0)
-        requireDirections(given, params);
     Mat K = given.cameraMatrix, R = given.R_cam2gripper, t = given.t_cam2gripper.clone();
     if (K.empty() || R.empty())
     {
@@ -101,17 +117,24 @@ bool StartSearch::attempt(const std::vector<int>& views, double threshold, const
     }
 }
 
-void StartSearch::attemptWithoutGroups()
+//! Attempts without each group of views, or each two of them.
+void StartSearch::attemptWithoutGroups(bool two)
 {
     std::vector<int> all(measurements_.gripper2base.size());
     std::iota(all.begin(), all.end(), 0);
-    for (const MotionGroup& group : groupByOrientation(measurements_.gripper2base, params_.orientationTolerance))
-    {
-        std::vector<int> others;
-        std::set_difference(all.begin(), all.end(), group.views.begin(), group.views.end(), std::back_inserter(others));
-        if (group.views.size() > 1 && others.size() > 3)
-            attempt(others, largeImageNoise, group.views);
-    }
+    const std::vector<MotionGroup> groups =
+        groupByOrientation(measurements_.gripper2base, params_.orientationTolerance);
+    for (size_t a = 0; a < groups.size(); ++a)
+        for (size_t b = two ? a + 1 : a; b < (two ? groups.size() : a + 1); ++b)
+        {
+            std::vector<int> without = groups[a].views, others;
+            if (two)
+                without.insert(without.end(), groups[b].views.begin(), groups[b].views.end());
+            std::sort(without.begin(), without.end());
+            std::set_difference(all.begin(), all.end(), without.begin(), without.end(), std::back_inserter(others));
+            if (groups[a].views.size() > 1 && groups[b].views.size() > 1 && others.size() > 3)
+                attempt(others, largeImageNoise, two ? std::vector<int>() : without);
+        }
 }
 
 std::unique_ptr<HandEyeRefinement> StartSearch::refinePoints()
@@ -122,7 +145,9 @@ std::unique_ptr<HandEyeRefinement> StartSearch::refinePoints()
     if (!attempt(all, largeImageNoise, std::vector<int>()))
         attempt(all, std::numeric_limits<double>::max(), std::vector<int>());
     if (!best_ || best_->misfit() > largeMisfit)
-        attemptWithoutGroups();
+        attemptWithoutGroups(false);
+    if (!best_)
+        attemptWithoutGroups(true);
     if (!best_)
         std::rethrow_exception(refusal_);
     return std::move(best_);

@@ -52,7 +52,7 @@ public:
 
 private:
     bool attempt(const std::vector<int>& views, double threshold, const std::vector<int>& doubted);
-    void attemptWithoutGroups();
+    void attemptWithoutGroups(bool two);
 
     StartArguments given_;
     const RefineMeasurements& measurements_;

@@ -31,22 +31,24 @@ public:
 
     double linearize(MatrixXd& JtJ, VectorXd& Jtr) CV_OVERRIDE
     {
-        JtJ.setZero(6, 6);
-        Jtr.setZero(6);
+        Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
+        Vector6d pull = Vector6d::Zero();
         const CameraView view(pose, calibration_.cam2gripper);
         for (const SeenPoint& point : seen)
         {
             PointResidual residual;
             if (!residual.linearizePoint(calibration_.camera, view, point.X, point.observation->pixel))
                 continue;
-            const double information = std::pow(point.observation->inverseSigma, 2);
-            const double share = squaredScale_ / (squaredScale_ + information * residual.error.squaredNorm());
+            const double weight = point.observation->inverseSigma * point.observation->inverseSigma;
+            const double share = squaredScale_ / (squaredScale_ + weight * residual.error.squaredNorm());
             Eigen::Matrix<double, 3, 6> motion;
             motion << skew(point.X - pose.t), -Eigen::Matrix3d::Identity();
-            const Eigen::Matrix<double, 2, 6> J = residual.byPoint * motion;
-            JtJ += information * share * share * J.transpose() * J;
-            Jtr += information * share * share * J.transpose() * residual.error;
+            const Eigen::Matrix<double, 2, 6> J = std::sqrt(weight) * share * residual.byPoint * motion;
+            information += J.transpose().lazyProduct(J);
+            pull += J.transpose() * (std::sqrt(weight) * share * residual.error);
         }
+        JtJ = information;
+        Jtr = pull;
         return cost(pose);
     }
 
@@ -94,7 +96,7 @@ Pose resectView(const SceneTracks& tracks, const CalibrationState& state, int vi
     {
         ViewPoseProblem problem(state.calibration, pose, factor * scale);
         problem.seen = seen;
-        solveLeastSquares(problem, 20, 1e-6);
+        solveLeastSquares(problem, 20, 1e-2);
         pose = problem.pose;
     }
     return pose;

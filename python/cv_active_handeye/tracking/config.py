@@ -54,8 +54,8 @@ class TrackingConfig(BaseModel):
     """Degrees; views whose orientations differ by less are one group (`cah.groupViews`)."""
 
     patch_radius: Annotated[int, Field(ge=4, le=30)] = 7
-    """Half width of the square reference patch. Larger patches are less noisy, but what bends or moves in them otherwise
-    than the homography of the two views displaces all patches of the pair alike, in proportion to their area."""
+    """Half width of the square reference patch. Larger patches are less noisy, but what lies in them otherwise than the
+    homography of the two views says displaces all patches of the pair alike, in proportion to their area."""
 
     min_distance: Annotated[float, Field(ge=0.0)] = 7.0
     """Tracks nearer than this to a better one, in any view, are left out (0 = none): overlapping patches err alike, and

@@ -113,7 +113,7 @@ def _ours(
 ) -> dict[str, Calibration | str]:
     """Where the closed forms refuse (no pure translations), the refinement begins at the best result on the board."""
     alone = options.model_copy(update={"use_laser": False})
-    known = {"camera_matrix": camera.camera_matrix, "distortion_coefficients": camera.distortion}
+    known: dict[str, Any] = {"camera_matrix": camera.camera_matrix, "distortion_coefficients": camera.distortion}
     known |= {"lens_model": "auto", "square_pixels": False}
     variants = {"ours": alone, "ours, board's camera": alone.model_copy(update=known)}
     try:

@@ -45,7 +45,7 @@ class ImagePoints(NamedTuple):
     @property
     def relative_sigmas(self) -> FloatArray | None:
         """`sigmas` in units of `stated_sigma`: with them a noise level is that of a typical point, in px."""
-        return None if self.sigmas is None else np.asarray(self.sigmas / self.stated_sigma)
+        return None if self.sigmas is None else np.asarray(self.sigmas / np.nanmedian(self.sigmas))
 
 
 @dataclass(frozen=True)
