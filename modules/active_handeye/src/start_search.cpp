@@ -34,23 +34,24 @@ void requireGiven(const Mat& argument, const char* name, const RefineParams& par
 void requireMotion(const RefineMeasurements& measurements, const RefineParams& params, const TurnDirections& turns)
 {
     const AlignedVector<Pose>& poses = measurements.gripper2base;
+    const double smallestShare = 1e-4; // less is a robot's noise
     double farthest = 0;
     for (const Pose& pose : poses)
         farthest = std::max(farthest, (pose.t - poses[0].t).norm());
-    if (measurements.objectPoints.empty() && !(farthest > 1e-9 * poses[0].t.norm()))
+    if (measurements.objectPoints.empty() && !(farthest > smallestShare * poses[0].t.norm()))
         CV_Error(
             Error::StsNoConv,
             "t_gripper2base: the gripper only turned, which leaves the scale of t_cam2gripper open; needed views at "
             "different places, given one place: add a translation");
     const bool isKnown = (params.flags & REFINE_FIX_K) != 0;
-    if (turns.observed.cols() < 3 && !(params.flags & (REFINE_FIX_TRANSLATION | REFINE_ALLOW_PARTIAL)))
-        CV_Error(Error::StsNoConv,
-                 "R_gripper2base: the turns do not determine t_cam2gripper, or set REFINE_ALLOW_PARTIAL: " +
-                     unobservedTranslation(turns.axis, turns));
     if (turns.observed.cols() == 0)
         GroupTranslations(poses, params.orientationTolerance)
             .requireDirections(isKnown ? 2 : 3, isKnown ? "two that are not parallel"
                                                         : "three that are not coplanar (two with REFINE_FIX_K)");
+    if (turns.observed.cols() < 3 && !(params.flags & (REFINE_FIX_TRANSLATION | REFINE_ALLOW_PARTIAL)))
+        CV_Error(Error::StsNoConv,
+                 "R_gripper2base: the turns do not determine t_cam2gripper, or set REFINE_ALLOW_PARTIAL: " +
+                     unobservedTranslation(turns.axis, turns));
 }
 
 //! K and R from the pure translations, t from the turns, as far as the caller gives no start.
@@ -89,7 +90,12 @@ HandEyeCalibration startOf(const StartArguments& given, const RefineParams& para
 StartSearch::StartSearch(const StartArguments& given, const RefineMeasurements& measurements,
                          const RefineParams& params)
     : given_(given), measurements_(measurements), params_(params), turns_(measurements.gripper2base)
-{}
+{
+    requireGiven(given.cameraMatrix, "cameraMatrix", params, REFINE_FIX_K, "REFINE_FIX_K");
+    requireGiven(given.R_cam2gripper, "R_cam2gripper", params, REFINE_FIX_ROTATION, "REFINE_FIX_ROTATION");
+    requireGiven(given.t_cam2gripper, "t_cam2gripper", params, REFINE_FIX_TRANSLATION, "REFINE_FIX_TRANSLATION");
+    requireMotion(measurements, params, turns_);
+}
 
 //! Refines from a start that some of the views give. Returns whether it answered and had no doubts about views.
 bool StartSearch::attempt(const std::vector<int>& views, double threshold, const std::vector<int>& doubted)

@@ -60,7 +60,8 @@ public:
     }
 
     //! Three groups of five views and four more orientations, of a robot and a camera with this noise.
-    static RefineScene noisy(uint64 seed = 1, double pixels = 0.1, double millimetres = 0.02, double degrees = 0.005, int points = 40)
+    static RefineScene noisy(uint64 seed = 1, double pixels = 0.1, double millimetres = 0.02, double degrees = 0.005,
+                             int points = 40)
     {
         RefineScene scene(seed, points);
         scene.addViews();
@@ -74,7 +75,8 @@ public:
     {
         for (const Vec3d& turn : {Vec3d(0, 0, 0), Vec3d(0.35, 0, 0), Vec3d(-0.1, 0.3, 1.2)})
             addGroup(turn, fourTranslations());
-        for (const Vec3d& turn : {Vec3d(0, 0.3, 0.4), Vec3d(-0.2, -0.2, -0.8), Vec3d(0.2, -0.3, 2.5), Vec3d(-0.3, 0.1, -1.6)})
+        for (const Vec3d& turn :
+             {Vec3d(0, 0.3, 0.4), Vec3d(-0.2, -0.2, -0.8), Vec3d(0.2, -0.3, 2.5), Vec3d(-0.3, 0.1, -1.6)})
             addGroup(turn, vector<Vec3d>(1, Vec3d()));
     }
 
@@ -129,7 +131,8 @@ public:
     {
         const Matx33d Rv(R[view]), cam2base = Rv * R_cam2gripper;
         const Vec3d centre = Rv * t_cam2gripper + Vec3d(t[view]);
-        const Vec3d line = (surface.offset - surface.normal.dot(centre)) * light - lightOffset * (cam2base.t() * surface.normal);
+        const Vec3d line =
+            (surface.offset - surface.normal.dot(centre)) * light - lightOffset * (cam2base.t() * surface.normal);
         const Vec3d ray(x, -(line[0] * x + line[2]) / line[1], 1);
         return project(cam2base * (ray * (lightOffset / light.dot(ray))) + centre, view);
     }
@@ -166,8 +169,9 @@ public:
     double worstError(const Refinement& r) const
     {
         const Mat K_(K), D_ = dist();
-        vector<double> errors = {K(0, 0) - r.K.at<double>(0, 0), K(1, 1) - r.K.at<double>(1, 1), K(0, 2) - r.K.at<double>(0, 2),
-                                 K(1, 2) - r.K.at<double>(1, 2), K(0, 1) - r.K.at<double>(0, 1)};
+        vector<double> errors = {K(0, 0) - r.K.at<double>(0, 0), K(1, 1) - r.K.at<double>(1, 1),
+                                 K(0, 2) - r.K.at<double>(0, 2), K(1, 2) - r.K.at<double>(1, 2),
+                                 K(0, 1) - r.K.at<double>(0, 1)};
         for (int i = 0; i < 5; ++i)
             errors.push_back(D[i] - r.D.at<double>(i));
         const Matx33d turn = R_cam2gripper * Matx33d(r.R_cam2gripper).t();

@@ -146,9 +146,12 @@ void expectSameBytes(const Refinement& a, const Refinement& b)
 {
     EXPECT_TRUE(sameBits(a.K, b.K) && sameBits(a.D, b.D) && sameBits(a.light, b.light));
     EXPECT_TRUE(sameBits(a.R_cam2gripper, b.R_cam2gripper) && sameBits(a.t_cam2gripper, b.t_cam2gripper));
-    EXPECT_TRUE(sameBits(a.summary.covariance, b.summary.covariance) && sameBits(a.summary.noiseLevels, b.summary.noiseLevels));
-    EXPECT_TRUE(sameBits(a.summary.residuals, b.summary.residuals) && sameBits(a.summary.scenePoints, b.summary.scenePoints));
-    EXPECT_TRUE(sameBits(a.summary.poseCorrections, b.summary.poseCorrections) && sameBits(a.summary.lensTests, b.summary.lensTests));
+    EXPECT_TRUE(sameBits(a.summary.covariance, b.summary.covariance) &&
+                sameBits(a.summary.noiseLevels, b.summary.noiseLevels));
+    EXPECT_TRUE(sameBits(a.summary.residuals, b.summary.residuals) &&
+                sameBits(a.summary.scenePoints, b.summary.scenePoints));
+    EXPECT_TRUE(sameBits(a.summary.poseCorrections, b.summary.poseCorrections) &&
+                sameBits(a.summary.lensTests, b.summary.lensTests));
     EXPECT_EQ(a.rms, b.rms);
     EXPECT_EQ(a.summary.message, b.summary.message);
     EXPECT_EQ(a.summary.iterations, b.summary.iterations);
@@ -196,9 +199,11 @@ struct UnitDifference
         Mat unit = Mat::ones(20, 1, CV_64F);
         unit.rowRange(13, 16).setTo(1000);
         unit.row(19).setTo(1000);
-        const Mat scaled = b.summary.covariance.mul(unit * unit.t()), deviations = cv::max(a.summary.standardDeviations, 1e-300);
+        const Mat scaled = b.summary.covariance.mul(unit * unit.t()),
+                  deviations = cv::max(a.summary.standardDeviations, 1e-300);
         camera = cv::norm(a.K, b.K) / cv::norm(a.K);
-        handEye = cv::norm(a.R_cam2gripper, b.R_cam2gripper) + cv::norm(a.translation() - 1000 * b.translation()) / cv::norm(a.translation());
+        handEye = cv::norm(a.R_cam2gripper, b.R_cam2gripper) +
+                  cv::norm(a.translation() - 1000 * b.translation()) / cv::norm(a.translation());
         covariance = cv::norm((scaled - a.summary.covariance) / (deviations * deviations.t()), NORM_INF);
         levels = std::abs(std::log(1000 * b.summary.robotTranslationSigma / a.summary.robotTranslationSigma)) +
                  std::abs(std::log(b.summary.robotRotationSigma / a.summary.robotRotationSigma));

@@ -35,8 +35,8 @@ RefineScene stripedScene()
 TEST(ActiveHandEye_RefineFlags, what_is_fixed_keeps_its_bits)
 {
     const RefineScene scene = stripedScene();
-    const vector<string> K = {"fx", "fy", "cx", "cy", "skew"}, D = {"k1", "k2", "p1", "p2", "k3"}, R = {"rx", "ry", "rz"},
-                         t = {"tx", "ty", "tz"}, light = {"nx", "ny", "nz", "d"};
+    const vector<string> K = {"fx", "fy", "cx", "cy", "skew"}, D = {"k1", "k2", "p1", "p2", "k3"},
+                         R = {"rx", "ry", "rz"}, t = {"tx", "ty", "tz"}, light = {"nx", "ny", "nz", "d"};
     const Refinement given = started(scene, 0);
 
     Refinement camera = started(scene, REFINE_FIX_K);
@@ -158,7 +158,8 @@ TEST(ActiveHandEye_RefineFlags, a_lens_model_estimates_its_coefficients_and_keep
 
 TEST(ActiveHandEye_RefineFlags, the_lens_model_is_found_and_a_missing_one_is_told)
 {
-    const double lenses[][5] = {{0, 0, 0, 0, 0}, {-0.1, 0, 0, 0, 0}, {-0.2, 0.6, 0, 0, 0}, {-0.1, 0.1, 0.002, -0.003, 0}};
+    const double lenses[][5] = {
+        {0, 0, 0, 0, 0}, {-0.1, 0, 0, 0, 0}, {-0.2, 0.6, 0, 0, 0}, {-0.1, 0.1, 0.002, -0.003, 0}};
     for (int model = LENS_FIXED; model <= LENS_TANGENTIAL; ++model)
     {
         RefineScene scene(20 + model, 80);
@@ -193,11 +194,13 @@ RefineScene turningAbout(const Vec3d& axis, double noise)
         angles = {0., 0.3, -0.25};
     for (double angle : angles)
     {
-        const Matx33d R = rotation(Vec3d(3.1, 0.1, 0.05)) * rotation(axis * angle), cameraToBase = R * scene.R_cam2gripper;
+        const Matx33d R = rotation(Vec3d(3.1, 0.1, 0.05)) * rotation(axis * angle),
+                      cameraToBase = R * scene.R_cam2gripper;
         for (const Vec3d& offset : PointScene::fourTranslations())
         {
             scene.R.push_back(Mat(R));
-            scene.t.push_back(Mat(Vec3d(Vec3d(300, 0, 0) - cameraToBase * (Vec3d(0, 0, 550) - offset) - R * scene.t_cam2gripper)));
+            scene.t.push_back(Mat(Vec3d(Vec3d(300, 0, 0) - cameraToBase * (Vec3d(0, 0, 550) - offset) -
+                                        R * scene.t_cam2gripper)));
         }
     }
     const vector<Mat> R = scene.R, t = scene.t;
@@ -247,7 +250,8 @@ TEST(ActiveHandEye_RefineFlags, one_axis_of_rotation_is_refused_or_marked)
 TEST(ActiveHandEye_RefineFlags, a_cartesian_robot_gets_all_but_the_translation)
 {
     const RefineScene scene = turningAbout(Vec3d(), 0);
-    expectError([&] { scene.refined(); }, Error::StsNoConv, {"t_cam2gripper", "about two axes that are not parallel", "REFINE_ALLOW_PARTIAL"});
+    expectError([&] { scene.refined(); }, Error::StsNoConv,
+                {"t_cam2gripper", "about two axes that are not parallel", "REFINE_ALLOW_PARTIAL"});
     Refinement partial = scene.call();
     partial.params.flags = REFINE_ALLOW_PARTIAL;
     partial.run();

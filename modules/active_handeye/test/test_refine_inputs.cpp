@@ -147,7 +147,8 @@ TEST(ActiveHandEye_RefineInput, eye_to_hand_is_the_same_with_inverted_poses)
         for (const Vec3d& offset : PointScene::fourTranslations())
         {
             const Matx33d R_gripper2base = R_cam2base * rotation(turn);
-            const Vec3d t_gripper2base = t_cam2base + R_cam2base * (Vec3d(0, 0, 550) + offset) - R_gripper2base * Vec3d(0, 20, 150);
+            const Vec3d t_gripper2base =
+                t_cam2base + R_cam2base * (Vec3d(0, 0, 550) + offset) - R_gripper2base * Vec3d(0, 20, 150);
             Mat pixels(40, 2, CV_64F);
             for (int j = 0; j < 40; ++j)
             {
@@ -185,7 +186,8 @@ TEST(ActiveHandEye_RefineInput, order_of_views_points_and_segments_does_not_matt
     expectSame(reversed, reference, 0.01);
     Mat backwards;
     cv::flip(reversed.summary.poseCorrections, backwards, 0);
-    EXPECT_LE(cv::norm(backwards, reference.summary.poseCorrections, NORM_INF), 0.01 * reference.summary.robotTranslationSigma);
+    EXPECT_LE(cv::norm(backwards, reference.summary.poseCorrections, NORM_INF),
+              0.01 * reference.summary.robotTranslationSigma);
 }
 
 TEST(ActiveHandEye_RefineInput, surfaces_that_are_not_known_are_not_used)

@@ -88,7 +88,8 @@ TEST(ActiveHandEye_RefineObject, the_frame_of_the_object_does_not_matter)
     here.objectPoints = knownPoints(scene);
     there.objectPoints = knownPoints(scene);
     for (int j = 0; j < 54; ++j)
-        there.objectPoints.row(j) = there.objectPoints.row(j) * Mat(rotation(Vec3d(-1, 0.4, 0.2)))+ Mat(Vec3d(500, -20, 1000)).t();
+        there.objectPoints.row(j) =
+            there.objectPoints.row(j) * Mat(rotation(Vec3d(-1, 0.4, 0.2))) + Mat(Vec3d(500, -20, 1000)).t();
     here.run();
     there.run();
     EXPECT_LE(cv::norm(here.K, there.K), 1e-5 * here.deviation("fx"));

@@ -36,7 +36,8 @@ TEST(ActiveHandEye_RefineRobust, a_wrong_match_is_left_out_and_marked)
     for (int k = 0; k < 4; ++k)
     {
         EXPECT_EQ(1, found.summary.rejectedObservations.at<uchar>(views[k], points[k])) << wrong[k];
-        EXPECT_NEAR(-wrong[k], found.summary.residuals.at<double>(views[k], 2 * points[k] + k % 2), 0.6) << "predicted - measured";
+        EXPECT_NEAR(-wrong[k], found.summary.residuals.at<double>(views[k], 2 * points[k] + k % 2), 0.6)
+            << "predicted - measured";
     }
     EXPECT_LE(cv::countNonZero(found.summary.rejectedObservations), 6);
     EXPECT_LE(cv::norm(found.K, clean.K), 0.5 * clean.deviation("fx"));
@@ -91,7 +92,8 @@ TEST(ActiveHandEye_RefineRobust, a_slipped_view_is_named)
         RefineScene scene = RefineScene::noisy(seed, 0.1, 0.02, 0.005, 100);
         const Refinement clean = scene.refined();
         const int slipped = 3 * int(seed);
-        scene.reportedT[slipped] += Mat(Vec3d(Matx33d(scene.R[slipped]) * Vec3d(0.35, 0.35, 0))); // 0.5 mm, across the optical axis
+        scene.reportedT[slipped] +=
+            Mat(Vec3d(Matx33d(scene.R[slipped]) * Vec3d(0.35, 0.35, 0))); // 0.5 mm, across the optical axis
         const Refinement found = scene.refined();
         EXPECT_EQ(vector<int>(1, slipped), found.summary.rejectedViews) << "seed " << seed;
         expectCulprit(found, slipped);

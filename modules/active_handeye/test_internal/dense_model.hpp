@@ -141,7 +141,8 @@ private:
                 const Vector3d w = view.R_base2cam * surface.head<3>();
                 const double e = surface(3) - surface.head<3>().dot(view.centre);
                 const Vector3d line = e * c.light.n - c.light.d * w;
-                const double distance = line.dot(c.camera.ray(segment.ends[end])) / (toIdeal.transpose() * line.head<2>()).norm();
+                const double distance =
+                    line.dot(c.camera.ray(segment.ends[end])) / (toIdeal.transpose() * line.head<2>()).norm();
                 errors.push_back(segment.inverseSigma * distance);
             }
         return Eigen::Map<const VectorXd>(errors.data(), int(errors.size()));
@@ -173,13 +174,15 @@ inline void expectSameTerm(const DataTerm& expected, const DataTerm& term, doubl
 {
     ASSERT_EQ(expected.JtJ.rows(), term.JtJ.rows());
     ASSERT_EQ(expected.JtJ.cols(), term.JtJ.cols());
-    const VectorXd scale = expected.JtJ.diagonal().cwiseMax(1e-6 * expected.JtJ.diagonal().maxCoeff()).cwiseSqrt().cwiseInverse();
+    const VectorXd scale =
+        expected.JtJ.diagonal().cwiseMax(1e-6 * expected.JtJ.diagonal().maxCoeff()).cwiseSqrt().cwiseInverse();
     const MatrixXd difference = scale.asDiagonal() * (term.JtJ - expected.JtJ) * scale.asDiagonal();
     int row, column;
     EXPECT_LE(difference.cwiseAbs().maxCoeff(&row, &column), tolerance) << "at (" << row << ", " << column << ")";
     EXPECT_LE((term.JtJ - term.JtJ.transpose()).norm(), 1e-14 * term.JtJ.norm());
     const double length = std::sqrt(expected.squares);
-    EXPECT_LE((term.Jtr - expected.Jtr).cwiseProduct(scale).cwiseAbs().maxCoeff(&row), tolerance * length) << "Jtr at " << row;
+    EXPECT_LE((term.Jtr - expected.Jtr).cwiseProduct(scale).cwiseAbs().maxCoeff(&row), tolerance * length)
+        << "Jtr at " << row;
     EXPECT_NEAR(expected.squares, term.squares, tolerance * expected.squares);
     EXPECT_EQ(expected.redundancy, term.redundancy);
 }

@@ -66,7 +66,8 @@ inline Pose somePose(RNG& rng, const Pose& cam2gripper)
 }
 
 //! Pixel, at this ideal x, of the stripe on a surface (w, e).
-inline Vector2d stripePixel(const HandEyeCalibration& calibration, const CameraView& view, const Vector4d& surface, double x)
+inline Vector2d stripePixel(const HandEyeCalibration& calibration, const CameraView& view, const Vector4d& surface,
+                            double x)
 {
     const Vector3d w = view.R_cam2base.transpose() * surface.head<3>();
     const double e = surface(3) - surface.head<3>().dot(view.centre);
@@ -83,9 +84,10 @@ public:
           tracks_(imagePoints_, makeSigmas(), objectPoints()), segments_(makeSegments()),
           problem(tracks_, segments_, reported_, truth_, contents.huberThreshold)
     {
-        problem.noise = NoiseLevels{contents.pixelNoise, contents.stripeNoise, contents.translationNoise,
-                                    contents.rotationNoise};
-        problem.unknowns.calibration = MatrixXd::Identity(CALIBRATION_COLUMNS, contents.surfaces ? int(CALIBRATION_COLUMNS) : int(POINT_COLUMNS));
+        problem.noise =
+            NoiseLevels{contents.pixelNoise, contents.stripeNoise, contents.translationNoise, contents.rotationNoise};
+        problem.unknowns.calibration =
+            MatrixXd::Identity(CALIBRATION_COLUMNS, contents.surfaces ? int(CALIBRATION_COLUMNS) : int(POINT_COLUMNS));
         problem.unknowns.object = contents.knownPoints > 0;
         problem.unknowns.surfaces = contents.surfaces;
         problem.unknowns.poses.assign(contents.views, POSE_PRIOR);
@@ -179,10 +181,12 @@ private:
         for (int view = 0; view < contents_.views; ++view)
             for (int s = 0; s < contents_.surfaces; ++s)
             {
-                StripeSegment segment = {int(segments.size()), view, s, {}, contents_.sameSigmas ? 1 : rng_.uniform(0.5, 2.), true};
+                StripeSegment segment = {
+                    int(segments.size()), view, s, {}, contents_.sameSigmas ? 1 : rng_.uniform(0.5, 2.), true};
                 for (int end = 0; end < 2; ++end)
                 {
-                    segment.ends[end] = stripePixel(truth_.calibration, views[view], truth_.surfaces[s], end ? 0.15 : -0.12);
+                    segment.ends[end] =
+                        stripePixel(truth_.calibration, views[view], truth_.surfaces[s], end ? 0.15 : -0.12);
                     segment.ends[end].y() += rng_.gaussian(contents_.stripeNoise);
                 }
                 segments.push_back(segment);

@@ -55,8 +55,9 @@ public:
 
     Vector4d score(const Vector4d& logVariances) const
     {
-        const MatrixXd slope = differentiate(
-            [&](const VectorXd& step) { return VectorXd::Constant(1, value(logVariances + step)); }, VectorXd::Constant(4, 1e-3));
+        const MatrixXd slope =
+            differentiate([&](const VectorXd& step) { return VectorXd::Constant(1, value(logVariances + step)); },
+                          VectorXd::Constant(4, 1e-3));
         return slope.transpose();
     }
 
@@ -138,7 +139,8 @@ TEST(ActiveHandEye_NoiseLevels, score_and_information_are_those_of_the_restricte
     const Vector4d scale = information.diagonal().cwiseSqrt().cwiseInverse();
     const Eigen::Matrix4d found = components.logVarianceCovariance().inverse();
     EXPECT_LE((scale.asDiagonal() * (found - information) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-4)
-        << found << "\nexpected\n" << information;
+        << found << "\nexpected\n"
+        << information;
 }
 
 TEST(ActiveHandEye_NoiseLevels, the_estimate_is_where_the_restricted_likelihood_is_largest)
@@ -176,7 +178,8 @@ TEST(ActiveHandEye_NoiseLevels, fixed_levels_stay_and_the_others_take_the_rest)
     const Eigen::Matrix4d information = likelihood.information(best);
     Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
     covariance.block<2, 2>(1, 1) = information.block<2, 2>(1, 1).inverse();
-    EXPECT_LE((components.logVarianceCovariance() - covariance).cwiseAbs().maxCoeff(), 1e-4 * covariance.cwiseAbs().maxCoeff());
+    EXPECT_LE((components.logVarianceCovariance() - covariance).cwiseAbs().maxCoeff(),
+              1e-4 * covariance.cwiseAbs().maxCoeff());
     for (int k : {1, 2})
         EXPECT_LE(std::abs(likelihood.score(best)(k)), 1e-3 * std::sqrt(information(k, k))) << k;
 }
@@ -225,7 +228,8 @@ TEST(ActiveHandEye_NoiseLevels, covariance_and_step_are_those_of_the_dense_model
         scale.asDiagonal() * MatrixXd(scale.asDiagonal() * H * scale.asDiagonal()).inverse() * scale.asDiagonal();
     const int n = problem.unknowns.count();
     const VectorXd deviation = inverse.diagonal().head(n).cwiseSqrt(), units = deviation.cwiseInverse();
-    const MatrixXd difference = units.asDiagonal() * (components.covariance() - inverse.topLeftCorner(n, n)) * units.asDiagonal();
+    const MatrixXd difference =
+        units.asDiagonal() * (components.covariance() - inverse.topLeftCorner(n, n)) * units.asDiagonal();
     EXPECT_LE(difference.cwiseAbs().maxCoeff(), 1e-4);
     EXPECT_LE((components.step() + (inverse * b).head(n)).cwiseProduct(units).cwiseAbs().maxCoeff(), 1e-3);
 }

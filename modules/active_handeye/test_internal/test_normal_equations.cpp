@@ -52,8 +52,9 @@ TEST(ActiveHandEye_NormalEquations, of_everything_at_once)
     MatrixXd B = MatrixXd::Zero(CALIBRATION_COLUMNS, 14); // fx and fy together, p1, p2, k3 and one direction of t fixed
     B(COLUMN_FX, 0) = 1;
     B(COLUMN_FY, 0) = 1.005;
-    const int free[] = {COLUMN_CX, COLUMN_CY, COLUMN_SKEW, COLUMN_DISTORTION, COLUMN_DISTORTION + 1, COLUMN_ROTATION, COLUMN_ROTATION + 1,
-                        COLUMN_ROTATION + 2};
+    const int free[] = {
+        COLUMN_CX,       COLUMN_CY,           COLUMN_SKEW,        COLUMN_DISTORTION, COLUMN_DISTORTION + 1,
+        COLUMN_ROTATION, COLUMN_ROTATION + 1, COLUMN_ROTATION + 2};
     for (int i = 0; i < 8; ++i)
         B(free[i], 1 + i) = 1;
     B.block<3, 2>(COLUMN_TRANSLATION, 9) = tangentBasis(Vector3d(1, 2, 3).normalized());

@@ -19,7 +19,8 @@ struct OneWayLayout
     OneWayLayout(int views_, int points_, double pixelNoise, double positionNoise, uint64 seed)
         : views(views_), points(points_), reported(views_, Pose{Matrix3d::Identity(), Vector3d::Zero()}),
           state(makeState()), imagePoints(measure(pixelNoise, positionNoise, seed)),
-          tracks(imagePoints, std::vector<std::vector<double>>(), ring()), problem(tracks, segments, reported, state, 1e9)
+          tracks(imagePoints, std::vector<std::vector<double>>(), ring()),
+          problem(tracks, segments, reported, state, 1e9)
     {
         problem.noise = NoiseLevels{pixelNoise, 1, positionNoise, 1e-9};
         problem.unknowns.calibration.resize(CALIBRATION_COLUMNS, 0);
@@ -49,7 +50,8 @@ struct OneWayLayout
         MatrixXd result(2 * points, views);
         for (int view = 0; view < views; ++view)
             for (int j = 0; j < points; ++j)
-                result.block<2, 1>(2 * j, view) = imagePoints[view][j] - state.calibration.camera.project(state.points[j]);
+                result.block<2, 1>(2 * j, view) =
+                    imagePoints[view][j] - state.calibration.camera.project(state.points[j]);
         return result;
     }
 
@@ -124,7 +126,8 @@ TEST(ActiveHandEye_OneWayLayout, satterthwaite_is_exact_between_the_views)
             const double c = 1 / layout.byObject().col(3).squaredNorm();
             const double expected = (c * 0.1 * 0.1 + positionNoise * positionNoise) / views;
             EXPECT_NEAR(expected, J.dot(components.covariance() * J), 1e-6 * expected);
-            EXPECT_NEAR(3 * (views - 1), components.degreesOfFreedom(J), 1e-3 * views) << views << " views, " << positionNoise;
+            EXPECT_NEAR(3 * (views - 1), components.degreesOfFreedom(J), 1e-3 * views)
+                << views << " views, " << positionNoise;
         }
 }
 

@@ -84,7 +84,8 @@ TEST(ActiveHandEye_RefineProblem, small_steps_go_where_the_columns_say)
         const Pose expected = moved(before.gripper2base[view], step.segment<6>(problem.unknowns.poseColumn(view)));
         EXPECT_LE((after.gripper2base[view].R - expected.R).norm(), second);
         EXPECT_LE((after.gripper2base[view].t - expected.t).norm(), second);
-        EXPECT_LE((after.gripper2base[view].R.transpose() * after.gripper2base[view].R - Matrix3d::Identity()).norm(), 1e-14);
+        EXPECT_LE((after.gripper2base[view].R.transpose() * after.gripper2base[view].R - Matrix3d::Identity()).norm(),
+                  1e-14);
     }
     EXPECT_EQ(before.gripper2base[3].R, after.gripper2base[3].R);
     EXPECT_EQ(before.gripper2base[3].t, after.gripper2base[3].t);
@@ -117,8 +118,8 @@ TEST(ActiveHandEye_RefineProblem, the_gradient_is_that_of_the_cost)
     const double cost = problem.linearize(JtJ, Jtr);
     EXPECT_NEAR(problem.costAfter(VectorXd::Zero(Jtr.size())), cost, 1e-10 * cost);
     const VectorXd deviations = JtJ.diagonal().cwiseSqrt().cwiseInverse();
-    const MatrixXd slope = differentiate([&](const VectorXd& step) { return VectorXd::Constant(1, problem.costAfter(step)); },
-                                         1e-3 * deviations);
+    const MatrixXd slope = differentiate([&](const VectorXd& step)
+                                         { return VectorXd::Constant(1, problem.costAfter(step)); }, 1e-3 * deviations);
     const VectorXd difference = (slope.transpose() - 2 * Jtr).cwiseProduct(deviations);
     EXPECT_LE(difference.cwiseAbs().maxCoeff(), 1e-4 * std::sqrt(cost)) << difference.transpose();
     EXPECT_GT(Jtr.cwiseProduct(deviations).norm(), 0.1) << "not at the optimum";
@@ -170,7 +171,8 @@ VectorXd wayToTheMinimum(const RefineProblem& problem, double limit)
     int clipped;
     const double information = 1 / (problem.noise.point * problem.noise.point);
     MatrixXd H = information * model.byPoints.transpose() * model.byPoints;
-    VectorXd gradient = information * model.byPoints.transpose() * modified(model.pointErrors, limit, clipped), corrections;
+    VectorXd gradient = information * model.byPoints.transpose() * modified(model.pointErrors, limit, clipped),
+             corrections;
     EXPECT_GT(clipped, 5);
     std::vector<int> columns;
     std::vector<bool> isRotation;
@@ -195,7 +197,8 @@ TEST(ActiveHandEye_RefineProblem, the_solution_is_where_hubers_loss_is_least)
     SmallProblem small(contents);
     RefineProblem& problem = small.problem;
     const int reduced = problem.unknowns.count();
-    EXPECT_GT(wayToTheMinimum(problem, 2.5 * contents.pixelNoise).head(reduced).cwiseAbs().maxCoeff(), 0.5) << "not there yet";
+    EXPECT_GT(wayToTheMinimum(problem, 2.5 * contents.pixelNoise).head(reduced).cwiseAbs().maxCoeff(), 0.5)
+        << "not there yet";
     for (int round = 0; round < 4; ++round)
     {
         problem.updateClipping();
@@ -204,7 +207,8 @@ TEST(ActiveHandEye_RefineProblem, the_solution_is_where_hubers_loss_is_least)
     problem.updateClipping();
     const VectorXd left = wayToTheMinimum(problem, 2.5 * contents.pixelNoise);
     EXPECT_LE(left.head(reduced).cwiseAbs().maxCoeff(), 1e-3);
-    EXPECT_LE(left.tail(left.size() - reduced).cwiseAbs().maxCoeff(), 0.05) << "points make one robust step in each round";
+    EXPECT_LE(left.tail(left.size() - reduced).cwiseAbs().maxCoeff(), 0.05)
+        << "points make one robust step in each round";
 }
 
 TEST(ActiveHandEye_RefineProblem, without_clipping_nothing_is_divided)

@@ -16,9 +16,10 @@ void expectSameColumns(const MatrixXd& analytic, const MatrixXd& numeric, double
     ASSERT_EQ(numeric.rows(), analytic.rows());
     ASSERT_EQ(numeric.cols(), analytic.cols());
     for (int i = 0; i < numeric.cols(); ++i)
-        EXPECT_LE((analytic.col(i) - numeric.col(i)).cwiseAbs().maxCoeff(), tolerance * numeric.col(i).cwiseAbs().maxCoeff())
-            << (names ? names[i] : "column ") << (names ? "" : std::to_string(i)) << "\nanalytic " << analytic.col(i).transpose()
-            << "\nnumeric " << numeric.col(i).transpose();
+        EXPECT_LE((analytic.col(i) - numeric.col(i)).cwiseAbs().maxCoeff(),
+                  tolerance * numeric.col(i).cwiseAbs().maxCoeff())
+            << (names ? names[i] : "column ") << (names ? "" : std::to_string(i)) << "\nanalytic "
+            << analytic.col(i).transpose() << "\nnumeric " << numeric.col(i).transpose();
 }
 
 struct PointCase
@@ -41,7 +42,8 @@ struct PointCase
     PointResidual analytic() const
     {
         PointResidual residual;
-        EXPECT_TRUE(residual.linearize(calibration.camera, CameraView(gripper2base, calibration.cam2gripper), X, pixel));
+        EXPECT_TRUE(residual.linearize(calibration.camera, CameraView(gripper2base, calibration.cam2gripper), X,
+                                       pixel));
         return residual;
     }
 
@@ -55,11 +57,13 @@ struct PointCase
 TEST(ActiveHandEye_Residuals, point_by_calibration)
 {
     const PointCase c;
-    const MatrixXd numeric = differentiate(
-        [&](const VectorXd& step) { return c.error(step, Vector6d::Zero(), Vector3d::Zero()); }, calibrationSteps());
+    const MatrixXd numeric =
+        differentiate([&](const VectorXd& step) { return c.error(step, Vector6d::Zero(), Vector3d::Zero()); },
+                      calibrationSteps());
     const PointResidual residual = c.analytic();
     EXPECT_LE((residual.error - c.error(CalibrationStep::Zero(), Vector6d::Zero(), Vector3d::Zero())).norm(), 1e-10);
-    EXPECT_EQ(0, numeric.rightCols(CALIBRATION_COLUMNS - POINT_COLUMNS).norm()) << "the light plane does not move points";
+    EXPECT_EQ(0, numeric.rightCols(CALIBRATION_COLUMNS - POINT_COLUMNS).norm())
+        << "the light plane does not move points";
     EXPECT_GT(numeric.leftCols<POINT_COLUMNS>().cwiseAbs().colwise().maxCoeff().minCoeff(), 0) << "all others do";
     expectSameColumns(residual.byCalibration, numeric.leftCols<POINT_COLUMNS>(), 1e-8, columnNames);
 }
@@ -68,16 +72,19 @@ TEST(ActiveHandEye_Residuals, point_by_itself_and_by_the_pose)
 {
     const PointCase c;
     const PointResidual residual = c.analytic();
-    const MatrixXd byPoint = differentiate(
-        [&](const VectorXd& step) { return c.error(CalibrationStep::Zero(), Vector6d::Zero(), step); }, VectorXd::Constant(3, 1e-4));
+    const MatrixXd byPoint =
+        differentiate([&](const VectorXd& step) { return c.error(CalibrationStep::Zero(), Vector6d::Zero(), step); },
+                      VectorXd::Constant(3, 1e-4));
     expectSameColumns(residual.byPoint, byPoint, 1e-8, 0);
     PointResidual pointOnly;
-    ASSERT_TRUE(pointOnly.linearizePoint(c.calibration.camera, CameraView(c.gripper2base, c.calibration.cam2gripper), c.X, c.pixel));
+    ASSERT_TRUE(pointOnly.linearizePoint(c.calibration.camera, CameraView(c.gripper2base, c.calibration.cam2gripper),
+                                         c.X, c.pixel));
     EXPECT_EQ(residual.byPoint, pointOnly.byPoint);
     EXPECT_EQ(residual.error, pointOnly.error);
 
-    const MatrixXd byPose = differentiate(
-        [&](const VectorXd& step) { return c.error(CalibrationStep::Zero(), step, Vector3d::Zero()); }, VectorXd::Constant(6, 1e-4));
+    const MatrixXd byPose =
+        differentiate([&](const VectorXd& step) { return c.error(CalibrationStep::Zero(), step, Vector3d::Zero()); },
+                      VectorXd::Constant(6, 1e-4));
     Eigen::Matrix<double, 3, 6> motion; // of the point, as the header says
     motion << skew(c.X - c.gripper2base.t), -Matrix3d::Identity();
     expectSameColumns(residual.byPoint * motion, byPose, 1e-8, 0);
@@ -107,11 +114,13 @@ struct StripeCase
         const Vector3d w = Vector3d(0.2, -0.1, 1).normalized();
         surface << w, w.dot(Vector3d(0.3, 0, 0)) + 0.01;
         surface.normalize();
-        pixel = stripePixel(calibration, CameraView(gripper2base, calibration.cam2gripper), surface, 0.14) + Vector2d(0, off);
+        pixel = stripePixel(calibration, CameraView(gripper2base, calibration.cam2gripper), surface, 0.14) +
+                Vector2d(0, off);
     }
 
     //! Distance from the line in which the planes of laser and surface meet, in pixels as large as `pixelSize` says.
-    VectorXd error(const CalibrationStep& step, const Vector6d& poseStep, const Vector4d& surfaceStep, const Matrix3d& pixelSize) const
+    VectorXd error(const CalibrationStep& step, const Vector6d& poseStep, const Vector4d& surfaceStep,
+                   const Matrix3d& pixelSize) const
     {
         const HandEyeCalibration c = calibration.moved(step);
         const CameraView view(moved(gripper2base, poseStep), c.cam2gripper);
@@ -149,11 +158,13 @@ struct StripeCase
         const MatrixXd numeric = byCalibration(false);
         EXPECT_GT(numeric.cwiseAbs().minCoeff(), 0) << "every parameter moves the stripe";
         expectSameColumns(residual.byCalibration, numeric, 1e-7, columnNames);
-        const MatrixXd byPose = differentiate([&](const VectorXd& step) { return error(stays, step, Vector4d::Zero(), K); },
-                                              VectorXd::Constant(6, 1e-4));
+        const MatrixXd byPose =
+            differentiate([&](const VectorXd& step) { return error(stays, step, Vector4d::Zero(), K); },
+                          VectorXd::Constant(6, 1e-4));
         expectSameColumns(residual.byPose, byPose, 1e-7, 0);
-        const MatrixXd bySurface = differentiate([&](const VectorXd& step) { return error(stays, Vector6d::Zero(), step, K); },
-                                                 VectorXd::Constant(4, 1e-4));
+        const MatrixXd bySurface =
+            differentiate([&](const VectorXd& step) { return error(stays, Vector6d::Zero(), step, K); },
+                          VectorXd::Constant(4, 1e-4));
         expectSameColumns(residual.bySurface, bySurface, 1e-7, 0);
     }
 
@@ -215,8 +226,8 @@ TEST(ActiveHandEye_Residuals, the_calibration_moves_as_its_columns_say)
     for (int i = 0; i < CALIBRATION_COLUMNS; ++i)
         step(i) = 0.01 * (i + 1);
     const HandEyeCalibration c = start.moved(step);
-    const double dK[] = {c.camera.K(0, 0) - 1413, c.camera.K(1, 1) - 1420, c.camera.K(0, 2) - 316, c.camera.K(1, 2) - 243,
-                         c.camera.K(0, 1) - 0.8};
+    const double dK[] = {c.camera.K(0, 0) - 1413, c.camera.K(1, 1) - 1420, c.camera.K(0, 2) - 316,
+                         c.camera.K(1, 2) - 243, c.camera.K(0, 1) - 0.8};
     for (int i = 0; i < 5; ++i)
     {
         EXPECT_NEAR(step(i), dK[i], 1e-12) << columnNames[i];
