@@ -8,150 +8,145 @@ frame; the light plane is (nx, ny, nz, d) in the camera frame with n.X = d, |n| 
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import cv2
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
+from .calibration_format import (
+    ChiSquare,
+    Lens,
+    NoiseLevels,
+    Part,
+    Rms,
+    Tool,
+    Verdict,
+    check_camera_matrix,
+    check_covariance,
+    check_distortion,
+    check_light_plane,
+    check_printable,
+    matrix,
+    numbers,
+)
 from .files import (
     FileFormatError,
     FloatArray,
     check_schema_version,
-    finite_array,
     read_yaml,
     rotation_matrix,
     validate,
     vector3,
     write_atomic,
 )
+from .opencv_yaml import emit
 
-SCHEMA_VERSION = 1
-HEADER = "%YAML 1.2\n---\n"
+__all__ = ["PARAMETERS", "REFINED_KEYS", "Calibration", "Rms", "read_camera"]
 
-CAMERA_PARAMETERS = ("fx", "fy", "cx", "cy", "skew", "rx", "ry", "rz")
-TRANSLATION_PARAMETERS = ("tx", "ty", "tz")
-LIGHT_PLANE_PARAMETERS = ("nx", "ny", "nz", "d")
+SCHEMA_VERSIONS = (1, 2)
+
+PARAMETERS = (
+    *("fx", "fy", "cx", "cy", "skew", "k1", "k2", "p1", "p2", "k3"),
+    *("rx", "ry", "rz", "tx", "ty", "tz", "nx", "ny", "nz", "d"),
+)
 """Names of the covariance's rows; rx, ry, rz is the rotation error vector in the gripper frame (rad)."""
 
-
-def _unpack(value: Any) -> Any:
-    """An OpenCV matrix map (rows, cols, dt, data) as nested lists; anything else unchanged."""
-    if not isinstance(value, Mapping):
-        return value
-    unknown = set(value) - {"rows", "cols", "dt", "data"}
-    missing = {"rows", "cols", "dt", "data"} - set(value)
-    if unknown or missing or value["dt"] != "d":
-        given = ", ".join(map(str, value))
-        raise ValueError(f"needs a matrix map with rows, cols, dt: d and data, given the keys {given}")
-    rows, cols, data = value["rows"], value["cols"], value["data"]
-    if len(data) != rows * cols:
-        raise ValueError(f"needs {rows} x {cols} = {rows * cols} numbers in data, given {len(data)}")
-    return np.array(data, dtype=np.float64).reshape(rows, cols)
+REFINED_KEYS = ("degrees_of_freedom", "intervals_95", "noise_levels", "lens", "verdict", "tool")
+"""What a refined result has and one of version 1 has not."""
 
 
-def check_camera_matrix(value: Any) -> FloatArray:
-    """`value` (3, 3, or an OpenCV matrix map) as a read-only camera matrix; ValueError says what it lacks."""
-    K = finite_array(_unpack(value), (3, 3))
-    if K[2].tolist() != [0, 0, 1] or K[1, 0] != 0 or K[0, 0] <= 0 or K[1, 1] <= 0:
-        raise ValueError(f"needs [[fx, skew, cx], [0, fy, cy], [0, 0, 1]] with positive fx, fy, given {K.tolist()}")
-    return K
-
-
-def check_distortion(value: Any) -> FloatArray:
-    """`value` (or an OpenCV matrix map) as a read-only vector of OpenCV distortion coefficients; else ValueError."""
-    coefficients = finite_array(np.asarray(_unpack(value), dtype=np.float64).reshape(-1), (None,))
-    if len(coefficients) not in (4, 5, 8, 12, 14):
-        raise ValueError(f"needs 4, 5, 8, 12 or 14 numbers (zeros = no distortion), given {len(coefficients)}")
-    return coefficients
-
-
-def _light_plane(value: Any) -> FloatArray | None:
-    if value is None:
-        return None
-    plane = finite_array(np.asarray(_unpack(value), dtype=np.float64).reshape(-1), (4,))
-    length = float(np.linalg.norm(plane[:3]))
-    if abs(length - 1) > 1e-6 or plane[3] <= 0:
-        raise ValueError(f"needs (nx, ny, nz, d) with |n| = 1 and d > 0, given |n| = {length:.6g}, d = {plane[3]:.6g}")
-    return plane
-
-
-def _covariance(value: Any) -> FloatArray:
-    C = np.array(_unpack(value), dtype=np.float64)
-    if C.ndim != 2 or C.shape[0] != C.shape[1] or np.isnan(C).any() or (np.diag(C) < 0).any():
-        raise ValueError(f"needs a square matrix without NaN or negative variances, given shape {C.shape}")
-    C.flags.writeable = False
-    return C
-
-
-def _from_file(check: Any) -> Any:
-    return BeforeValidator(lambda value: check(_unpack(value)))
-
-
-class Rms(BaseModel):
-    """Root mean square residuals in pixels of the stages that ran."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    translations_px: float
-    rotation_px: float
-    light_plane_px: float | None = None
-
-
-class Calibration(BaseModel):
+class Calibration(Part):
     """Everything a measuring program needs; `save` and `load` keep every number bit for bit.
 
-    With `method` "closed_form" the covariance is block diagonal: each stage (camera and rotation; translation; light
-    plane) is conditional on the stages before it, and terms between stages are not computed.
+    Schema version 2 is what `refineHandEye` gives: one joint covariance, intervals, noise levels and a verdict. Version
+    1 (method "closed_form") has none of `REFINED_KEYS`; its covariance is block diagonal, each block conditional on
+    the ones before it.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
-
-    schema_version: Literal[1] = 1
+    schema_version: Literal[1, 2] = 2
     software_version: str
     dataset_sha256: str = ""
     units: Literal["m"] = "m"
-    method: Literal["closed_form"] = "closed_form"
+    method: Literal["closed_form", "refined"] = "refined"
     constraints: tuple[str, ...] = ()
     image_width: int = Field(gt=0)
     image_height: int = Field(gt=0)
     camera_matrix: Annotated[FloatArray, BeforeValidator(check_camera_matrix)]
     distortion_coefficients: Annotated[FloatArray, BeforeValidator(check_distortion)]
-    R_cam2gripper: Annotated[FloatArray, _from_file(rotation_matrix)]
-    t_cam2gripper: Annotated[FloatArray, _from_file(vector3)]
-    light_plane: Annotated[FloatArray | None, BeforeValidator(_light_plane)] = None
-    parameter_names: tuple[str, ...]
-    covariance: Annotated[FloatArray, BeforeValidator(_covariance)]
+    R_cam2gripper: Annotated[FloatArray, matrix(rotation_matrix)]
+    t_cam2gripper: Annotated[FloatArray, matrix(vector3)]
+    light_plane: Annotated[FloatArray | None, BeforeValidator(check_light_plane)] = None
+    verdict: Verdict | None = None
+    tool: Tool | None = None
+    noise_levels: NoiseLevels | None = None
+    lens: Lens | None = None
+    chi_square: ChiSquare | None = None
     rms: Rms
     views: int = Field(ge=0)
     points: int = Field(ge=0)
     observations: int = Field(ge=0)
     stripe_segments: int = Field(default=0, ge=0)
+    parameter_names: tuple[str, ...]
+    covariance: Annotated[FloatArray, BeforeValidator(check_covariance)]
+    degrees_of_freedom: Annotated[FloatArray | None, matrix(numbers(None))] = None
+    intervals_95: Annotated[FloatArray | None, matrix(numbers(None, 2))] = None
 
     @field_validator("software_version", "dataset_sha256")
     @classmethod
     def _plain_text(cls, text: str) -> str:
-        if not text.isprintable():
-            raise ValueError(f"needs printable text, given {text!r}")
-        return text
+        return check_printable(text)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _version_of_a_closed_form(cls, content: Any) -> Any:
+        """A program that gives nothing refined means version 1."""
+        if isinstance(content, dict) and "schema_version" not in content and not set(content) & set(REFINED_KEYS):
+            return {**content, "schema_version": 1, "method": "closed_form"}
+        return content
+
+    @model_validator(mode="after")
+    def _keys_of_the_version(self) -> Calibration:
+        refined = self.schema_version == 2
+        if self.method != ("refined" if refined else "closed_form"):
+            raise ValueError(f"method '{self.method}' does not belong to schema_version {self.schema_version}")
+        for key in (*REFINED_KEYS, "chi_square"):
+            if not refined and getattr(self, key) is not None:
+                raise ValueError(f"key '{key}' is unknown in schema_version 1")
+            if refined and getattr(self, key) is None and key != "chi_square":
+                raise ValueError(f"key '{key}' is missing")
+        for key in ("points_px",) if refined else ("translations_px", "rotation_px"):
+            if getattr(self.rms, key) is None:
+                raise ValueError(f"key 'rms.{key}' is missing")
+        return self
 
     @model_validator(mode="after")
     def _names_match(self) -> Calibration:
-        if len(self.parameter_names) != len(self.covariance):
-            given = f"{len(self.parameter_names)} names, {len(self.covariance)} rows"
-            raise ValueError(f"parameter_names and covariance need the same length, given {given}")
+        count = len(self.parameter_names)
+        for key in ("covariance", "degrees_of_freedom", "intervals_95"):
+            rows = getattr(self, key)
+            if rows is not None and len(rows) != count:
+                raise ValueError(
+                    f"parameter_names and {key} need the same length, given {count} names, {len(rows)} rows"
+                )
         return self
 
     def standard_deviation(self, name: str) -> float:
         """Square root of the variance of one parameter, in its own unit; KeyError for a name that was not estimated."""
+        i = self._row(name)
+        return math.sqrt(self.covariance[i, i])
+
+    def interval(self, name: str) -> tuple[float, float] | None:
+        """95 % interval of one parameter, in its own unit (rotation: of the error, around 0); None in version 1."""
+        i = self._row(name)
+        return None if self.intervals_95 is None else (float(self.intervals_95[i, 0]), float(self.intervals_95[i, 1]))
+
+    def _row(self, name: str) -> int:
         if name not in self.parameter_names:
             raise KeyError(f"{name}: is not among the parameters {', '.join(self.parameter_names)}")
-        i = self.parameter_names.index(name)
-        return math.sqrt(self.covariance[i, i])
+        return self.parameter_names.index(name)
 
     def save(self, path: str | Path) -> None:
         """Writes `calibration.yaml`, atomic and durable."""
@@ -159,43 +154,15 @@ class Calibration(BaseModel):
 
     def to_yaml(self) -> str:
         """The text `save` writes."""
-        return HEADER + "".join(_emit(key, getattr(self, key)) for key in type(self).model_fields)
+        return emit(self)
 
     @classmethod
     def load(cls, path: str | Path) -> Calibration:
         """Reads what `save` wrote; `FileFormatError` names the key of whatever is unknown, missing or wrong."""
         file = Path(path)
         content = read_yaml(file, "calibration")
-        check_schema_version(file, content, "calibration", SCHEMA_VERSION)
+        check_schema_version(file, content, "calibration", *SCHEMA_VERSIONS)
         return validate(cls, content, file)
-
-
-def _emit(key: str, value: Any) -> str:
-    """One key of the file, in the subset of YAML that cv::FileStorage parses; a missing value leaves the key out."""
-    if value is None:
-        return ""
-    if isinstance(value, np.ndarray):
-        matrix = value.reshape(len(value), -1)
-        lines = [", ".join(_number(float(x)) for x in line) for line in (matrix.T if matrix.shape[1] == 1 else matrix)]
-        rows = ",\n           ".join(lines)
-        return f"{key}:\n   rows: {matrix.shape[0]}\n   cols: {matrix.shape[1]}\n   dt: d\n   data: [ {rows} ]\n"
-    if isinstance(value, BaseModel):
-        inner = {name: getattr(value, name) for name in type(value).model_fields}
-        return f"{key}:\n" + "".join("   " + _emit(name, item) for name, item in inner.items() if item is not None)
-    if isinstance(value, tuple):
-        return f"{key}: [ {', '.join(json.dumps(str(item)) for item in value)} ]\n"
-    if isinstance(value, float):
-        return f"{key}: {_number(value)}\n"
-    return f"{key}: {value if isinstance(value, int) else json.dumps(value, ensure_ascii=False)}\n"
-
-
-def _number(x: float) -> str:
-    """Shortest text that reads back as the same double; YAML 1.1 takes 1e-05 for a string, 1.0e-05 for a number."""
-    if math.isinf(x):
-        return ".Inf" if x > 0 else "-.Inf"
-    text = repr(x)
-    mantissa, _, exponent = text.partition("e")
-    return text if not exponent or "." in mantissa else f"{mantissa}.0e{exponent}"
 
 
 def read_camera(path: str | Path) -> tuple[FloatArray, FloatArray]:

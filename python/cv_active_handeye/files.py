@@ -80,14 +80,15 @@ def read_yaml(path: Path, kind: str) -> dict[str, Any]:
     return content
 
 
-def check_schema_version(path: Path, content: Mapping[str, Any], kind: str, supported: int) -> None:
+def check_schema_version(path: Path, content: Mapping[str, Any], kind: str, *supported: int) -> None:
     """Refuses a file whose `schema_version` this software does not know, before anything else in it is looked at."""
     if "schema_version" not in content:
         raise FileFormatError(f"{path}: key 'schema_version' is missing; a {kind} file needs it")
     version = content["schema_version"]
-    if version != supported or isinstance(version, bool):
+    if version not in supported or isinstance(version, bool):
+        readable = " and ".join(map(str, supported))
         raise FileFormatError(
-            f"{path}: key 'schema_version': this software reads version {supported} of the {kind} file, "
+            f"{path}: key 'schema_version': this software reads version {readable} of the {kind} file, "
             f"the file says {version!r}"
         )
 

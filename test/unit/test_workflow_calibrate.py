@@ -5,16 +5,23 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
-from support.exact_recording import exact_recording
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+from support.exact_recording import Recording, exact_recording
 from support.recordings import exact_dataset
 
 import cv_active_handeye as cah
+from cv_active_handeye.calibration import PARAMETERS
 from cv_active_handeye.config import CalibrationOptions
 from cv_active_handeye.dataset import CameraInfo, Dataset
-from cv_active_handeye.workflow import InsufficientDataError, calibrate, calibrate_with_evidence
+from cv_active_handeye.report import inside_intervals
+from cv_active_handeye.workflow import ImagePoints, InsufficientDataError, calibrate, calibrate_with_evidence
+
+NOISE_PX, ROBOT_MM, ROBOT_DEG = 0.05, 0.02, 0.005
 
 
 class Notes:
@@ -32,6 +39,44 @@ class Notes:
         self.notes.append(text)
 
 
+class TrueValuesOf(NamedTuple):
+    """The truth of a recording as `inside_intervals` takes it."""
+
+    recording: Recording
+
+    @property
+    def camera_matrix(self) -> NDArray[np.float64]:
+        return self.recording.cameraMatrix
+
+    @property
+    def distortion_coefficients(self) -> NDArray[np.float64]:
+        return self.recording.distCoeffs
+
+    @property
+    def R_cam2gripper(self) -> NDArray[np.float64]:
+        return self.recording.R_cam2gripper
+
+    @property
+    def t_cam2gripper(self) -> NDArray[np.float64]:
+        return self.recording.t_cam2gripper
+
+    @property
+    def light_plane(self) -> None:
+        return None
+
+
+def noisy_dataset(folder: Path, robot: bool = True, t_gripper2base: NDArray[np.float64] | None = None) -> Dataset:
+    """The recording with noise of image and, with `robot`, of the reported poses."""
+    truth, rng = exact_recording(), np.random.default_rng(3)
+    reported = truth.t_gripper2base if t_gripper2base is None else t_gripper2base
+    dataset = Dataset.create(folder, camera=CameraInfo(width=640, height=480))
+    for R, t in zip(truth.R_gripper2base, reported, strict=True):
+        turn = Rotation.from_rotvec(robot * np.radians(ROBOT_DEG) * rng.normal(size=3)).as_matrix()
+        dataset.add_view(turn @ R, t + robot * ROBOT_MM / 1000 * rng.normal(size=3))
+    dataset.set_image_points(truth.imagePoints + NOISE_PX * rng.normal(size=truth.imagePoints.shape))
+    return dataset
+
+
 def known_distortion(**changes: object) -> CalibrationOptions:
     return CalibrationOptions.model_validate({"distortion_coefficients": exact_recording().distCoeffs, **changes})
 
@@ -44,8 +89,11 @@ def test_exact_points_give_the_exact_calibration(tmp_path: Path) -> None:
     assert result.t_cam2gripper == pytest.approx(truth.t_cam2gripper, abs=1e-8)
     assert result.light_plane is None
     assert (result.views, result.points, result.observations) == (14, 60, 14 * 60)
-    assert result.parameter_names == ("fx", "fy", "cx", "cy", "skew", "rx", "ry", "rz", "tx", "ty", "tz")
-    assert result.rms.translations_px < 1e-4
+    assert result.parameter_names == PARAMETERS
+    assert result.verdict is not None
+    assert result.verdict.usable
+    assert result.rms.points_px is not None
+    assert result.rms.points_px < 1e-4
 
 
 def test_known_camera_is_returned_unchanged_without_variance(tmp_path: Path) -> None:
@@ -58,9 +106,80 @@ def test_known_camera_is_returned_unchanged_without_variance(tmp_path: Path) -> 
 
 
 def test_square_pixels_are_kept_square(tmp_path: Path) -> None:
-    result = calibrate(exact_dataset(tmp_path / "set"), known_distortion(square_pixels=True))
-    assert result.camera_matrix[0, 0] == result.camera_matrix[1, 1]
+    result = calibrate(noisy_dataset(tmp_path / "set"), known_distortion(square_pixels=True))
+    assert result.camera_matrix[0, 0] == pytest.approx(result.camera_matrix[1, 1], rel=1e-12)
     assert result.constraints == ("zero_skew", "square_pixels", "known_distortion")
+
+
+def test_intervals_hold_the_truth_and_noise_levels_come_out_in_their_units(tmp_path: Path) -> None:
+    truth = exact_recording()
+    result = calibrate(noisy_dataset(tmp_path / "set"))
+    assert result.lens is not None
+    assert result.lens.chosen
+    assert result.lens.model in ("tangential", "k3")
+    # skew was not estimated; 15 others, of which one or two may miss
+    inside = inside_intervals(result, TrueValuesOf(truth))
+    assert len(inside) >= 14
+    assert sum(inside.values()) >= len(inside) - 3
+    levels = result.noise_levels
+    assert levels is not None
+    assert levels.image_points.level == pytest.approx(NOISE_PX, rel=0.1)
+    assert levels.robot_translation.lower < ROBOT_MM / 1000 < levels.robot_translation.upper
+    assert levels.robot_rotation.lower < np.radians(ROBOT_DEG) < levels.robot_rotation.upper
+    assert levels.stripes is None
+    assert levels.stated_points_px is None
+
+
+def test_given_robot_noise_is_kept_and_tested(tmp_path: Path) -> None:
+    options = known_distortion(robot_translation_mm=ROBOT_MM, robot_rotation_deg=ROBOT_DEG)
+    result = calibrate(noisy_dataset(tmp_path / "set"), options)
+    assert result.noise_levels is not None
+    assert result.noise_levels.robot_translation.level == pytest.approx(ROBOT_MM / 1000)
+    assert not result.noise_levels.robot_translation.estimated
+    assert result.noise_levels.image_points.estimated
+    assert result.chi_square is not None
+    assert result.chi_square.p_value > 0.001
+    assert result.constraints[-2:] == ("known_robot_translation_noise", "known_robot_rotation_noise")
+
+
+def test_robot_noise_far_too_small_makes_the_result_not_usable_and_is_told(tmp_path: Path) -> None:
+    reporter = Notes()
+    options = known_distortion(robot_translation_mm=ROBOT_MM / 20, robot_rotation_deg=ROBOT_DEG / 20)
+    result = calibrate(noisy_dataset(tmp_path / "set"), options, reporter)
+    assert result.verdict is not None
+    assert not result.verdict.usable
+    assert "not usable" in reporter.notes[-1]
+
+
+def test_exact_robot_has_no_noise_of_its_own(tmp_path: Path) -> None:
+    options = known_distortion(robot_translation_mm=0, robot_rotation_deg=0)
+    result = calibrate(noisy_dataset(tmp_path / "set", robot=False), options)
+    assert result.noise_levels is not None
+    assert result.noise_levels.robot_translation.level == 0
+    assert "exact_robot" in result.constraints
+    assert result.t_cam2gripper == pytest.approx(exact_recording().t_cam2gripper, abs=3e-4)
+
+
+@pytest.mark.parametrize("model", ["none", "k1", "k1-k2", "tangential", "k3"])
+def test_lens_model_that_is_asked_for_is_used(tmp_path: Path, model: str) -> None:
+    result = calibrate(noisy_dataset(tmp_path / "set"), CalibrationOptions.model_validate({"lens_model": model}))
+    assert result.lens is not None
+    assert (result.lens.model, result.lens.chosen) == (model, False)
+    count = {"none": 0, "k1": 1, "k1-k2": 2, "tangential": 4, "k3": 5}[model]
+    estimated = [result.standard_deviation(name) > 0 for name in ("k1", "k2", "p1", "p2", "k3")]
+    assert estimated == [True] * count + [False] * (5 - count)
+    assert result.verdict is not None
+    assert result.verdict.usable == (count >= 4)
+
+
+def test_one_axis_of_turns_is_refused_unless_a_part_is_asked_for(tmp_path: Path) -> None:
+    dataset = exact_dataset(tmp_path / "set", [0, 1, 2, 3, 4, 10, 11])
+    with pytest.raises(cah.error, match="axis"):
+        calibrate(dataset, known_distortion())
+    result = calibrate(dataset, known_distortion(allow_partial=True))
+    assert max(result.standard_deviation(name) for name in ("tx", "ty", "tz")) == np.inf
+    assert result.tool is not None
+    assert result.tool.accuracy == np.inf
 
 
 def test_two_calls_give_the_same_file(tmp_path: Path) -> None:
@@ -73,8 +192,7 @@ def test_steps_are_told_in_the_order_they_run(tmp_path: Path) -> None:
     calibrate(exact_dataset(tmp_path / "set"), known_distortion(), reporter)
     assert [step.split(",")[0] for step in reporter.steps] == [
         "reading 60 image points",
-        "camera matrix and rotation",
-        "camera position",
+        "refining camera and hand-eye transform",
     ]
     assert reporter.notes == ["no light plane: the data set has no laser image that shows a stripe"]
 
@@ -117,21 +235,50 @@ def test_missing_views_are_noted_and_the_rest_is_used(tmp_path: Path) -> None:
     assert reporter.notes[0] == "data set: 2 of 16 planned views are missing (views 14 to 15)"
     assert result.views == 14
     assert np.array_equal(evidence.image_points, truth.imagePoints)
+    assert evidence.point_sigmas is None
+    assert evidence.summary is not None
+    assert evidence.summary.residuals.shape == (14, 120)
 
 
-def test_poses_that_do_not_fit_the_images_are_noted(tmp_path: Path) -> None:
+def test_a_slipped_view_is_named(tmp_path: Path) -> None:
+    """The robot stands 2 mm beside where it says, in one stop of the first group."""
     truth = exact_recording()
-    reporter = Notes()
-    dataset = Dataset.create(tmp_path / "set", camera=CameraInfo(width=640, height=480))
-    shift = np.random.default_rng(2).normal(0, 0.002, (14, 3))
-    for R, t in zip(truth.R_gripper2base, truth.t_gripper2base + shift, strict=True):
-        dataset.add_view(R, t)
-    dataset.set_image_points(truth.imagePoints)
-    calibrate(dataset, known_distortion(camera_matrix=truth.cameraMatrix), reporter)
-    assert any("are more than image noise" in note for note in reporter.notes)
-    exact = Notes()
-    calibrate(exact_dataset(tmp_path / "exact"), known_distortion(), exact)
-    assert not any("image noise" in note for note in exact.notes)
+    t = truth.t_gripper2base.copy()
+    t[3] += [0.002, 0, 0]
+    dataset = noisy_dataset(tmp_path / "set", t_gripper2base=t)
+    result = calibrate(dataset, known_distortion())
+    assert result.verdict is not None
+    assert result.verdict.rejected_views == (3,)
+    assert "view 3" in " ".join(result.verdict.culprits)
+    assert result.t_cam2gripper == pytest.approx(truth.t_cam2gripper, abs=1e-3)
+
+
+def test_stated_sigmas_weigh_the_points_and_the_level_stays_in_pixels(tmp_path: Path) -> None:
+    truth, rng = exact_recording(), np.random.default_rng(5)
+    sigmas = 0.02 * np.exp(rng.uniform(-1.5, 1.5, truth.imagePoints.shape[:2]))
+    points = ImagePoints(truth.imagePoints + 2 * sigmas[:, :, None] * rng.normal(size=truth.imagePoints.shape), sigmas)
+    dataset = exact_dataset(tmp_path / "set")
+    result, evidence = calibrate_with_evidence(dataset, known_distortion(), points=points)
+    assert result.noise_levels is not None
+    assert result.noise_levels.stated_points_px == pytest.approx(np.median(sigmas))
+    assert result.noise_levels.image_points.level == pytest.approx(2 * np.median(sigmas), rel=0.1)
+    assert evidence.point_sigmas is sigmas
+    plain, _ = calibrate_with_evidence(dataset, known_distortion(), points=ImagePoints(points.points))
+    assert result.standard_deviation("fx") < 0.8 * plain.standard_deviation("fx")
+
+
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        ({"lens_model": "k1"}, "lens_model: needs unknown distortion for 'k1'"),
+        ({"distortion_coefficients": np.zeros(8)}, "distortion_coefficients: needs k1, k2, p1, p2"),
+        ({"robot_translation_mm": 0.0}, "need both 0"),
+        ({"robot_rotation_deg": -1.0}, "robot_rotation_deg"),
+    ],
+)
+def test_options_refuse_what_does_not_go_together(changes: dict[str, object], text: str) -> None:
+    with pytest.raises(ValueError, match=text):
+        known_distortion(**changes)
 
 
 def test_options_refuse_a_known_camera_with_square_pixels() -> None:

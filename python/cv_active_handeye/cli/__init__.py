@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 __all__ = ["app"]
 
-EXTRA = {"cv2", "matplotlib", "pydantic", "rich", "typer", "yaml"}
+EXTRA = {"cv2", "jinja2", "markupsafe", "matplotlib", "plotly", "pydantic", "rich", "typer", "yaml"}
 
 
 def _missing(name: str) -> Callable[[], object]:

@@ -7,7 +7,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
+from pydantic import ValidationError
 from rich.markup import escape
 
 import cv_active_handeye as cah
@@ -16,12 +18,17 @@ from ..calibration import Calibration, read_camera
 from ..config import CalibrationOptions
 from ..dataset import FILE_NAME, Dataset
 from ..files import read_yaml, validate
+from ..report import picture_view_errors
 from ..workflow import BoardSpec, Comparison, calibrate_with_evidence
 from ..workflow import compare as run_comparison
 from ..workflow.pictures import draw_pictures
+from ..workflow.reporting import report_calibration
+from ..workflow.verify import verify as run_verification
+from . import arguments
+from .arguments import STATUS_HELP
 from .console import Exit, err, out, terminal_reporter, told_errors
+from .results import result_lines, verdict_text, verification_lines
 from .tables import (
-    calibration_summary,
     calibration_table,
     cameras_table,
     dataset_table,
@@ -29,15 +36,11 @@ from .tables import (
     hand_eye_table,
     limits_table,
     scores_table,
+    verification_table,
 )
 
 if TYPE_CHECKING:
     from ..simulation import CellConfig
-
-STATUS_HELP = (
-    "[bold]Exit status:[/] 0 usable result, 1 internal error, 2 wrong usage, 3 the data cannot answer, "
-    "4 a file that cannot be used, 5 result beyond its limits (demo)."
-)
 
 app = typer.Typer(
     name="cv-active-handeye",
@@ -72,48 +75,23 @@ def main(
     _Settings.debug = debug
 
 
-OutputOption = Annotated[Path, typer.Option("--output", "-o", help="Folder for everything the demo writes.")]
-SeedOption = Annotated[int, typer.Option(min=0, help="Seed of the simulated cell: same seed, same images.")]
-RobotOption = Annotated[str, typer.Option(help="Simulated robot: denso_vp6242 or ur5e.")]
-DatasetArgument = Annotated[Path, typer.Argument(help="Folder with dataset.yaml.", metavar="DATASET")]
-CameraOption = Annotated[
-    Path | None, typer.Option(help="Known camera: a file with camera_matrix and distortion_coefficients, both kept.")
-]
-DistortionOption = Annotated[Path | None, typer.Option(help="Known distortion only, from such a file; K is estimated.")]
-TrackOption = Annotated[bool, typer.Option("--track", help="Track the images even where image points are stored.")]
-NewDatasetArgument = Annotated[Path, typer.Argument(help="Folder for the data set, a new one.", metavar="DATASET")]
-TruthOption = Annotated[Path | None, typer.Option(help="File for the truth; default: DATASET-truth.yaml.")]
-ResultOption = Annotated[Path, typer.Option("--output", "-o", help="Result file.")]
-SkewOption = Annotated[bool, typer.Option("--skew", help="Estimate skew too (default: zero).")]
-SquareOption = Annotated[bool, typer.Option("--square-pixels", help="Assume fx = fy.")]
-MethodOption = Annotated[str, typer.Option(help="metric (uses how far the robot moved) or foe (directions only).")]
-LaserOption = Annotated[bool, typer.Option("--laser/--no-laser", help="Use laser images where there are some.")]
-ConfigOption = Annotated[Path | None, typer.Option(help="YAML file with settings; the command line overrides it.")]
-PicturesOption = Annotated[Path | None, typer.Option(help="Folder for pictures of tracks, motion and stripe.")]
-BoardOption = Annotated[
-    str,
-    typer.Option(
-        help="Board in the images, sizes in mm: chessboard:8x6:28.5 (inner corners, square), circles:10x10:24.8, "
-        "charuco:9x6:40:35:DICT_4X4_250 (squares, square, marker), or points (stored in the data set)."
-    ),
-]
-ScoreOption = Annotated[Path | None, typer.Option(help="Score this result instead of calibrating again.")]
-
-
 @app.command(epilog="Example: cv-active-handeye demo --seed 3 --output out/demo\n\n" + STATUS_HELP)
-def demo(output: OutputOption = Path("out/demo"), seed: SeedOption = 0, robot: RobotOption = "denso_vp6242") -> None:
+def demo(
+    output: arguments.Output = Path("out/demo"), seed: arguments.Seed = 0, robot: arguments.Robot = "denso_vp6242"
+) -> None:
     """Simulates a recording, calibrates from the images alone, and compares with the truth.
 
-    Writes the data set, truth.yaml (outside of the data set), calibration.yaml and pictures.
+    Writes the data set, truth.yaml (outside of the data set), calibration.yaml, report.html and pictures.
     """
     with terminal_reporter() as reporter, told_errors(_Settings.debug, reporter):
         from ..workflow.demo import demo as run_demo
 
-        result = run_demo(output, _cell_config(seed, robot), reporter)
+        result = run_demo(output, _cell_config(seed=seed, robot=robot), reporter)
     out.print(demo_table(result))
     out.print(limits_table(result))
-    out.print(escape(calibration_summary(result.calibration)))
-    out.print(f"written to {escape(str(output))}: dataset/, truth.yaml, calibration.yaml, pictures/")
+    _print_lines(verdict_text(result.calibration), *result_lines(result.calibration))
+    names = "dataset/, truth.yaml, calibration.yaml, report.html, pictures/"
+    _print_lines(f"Written to {output}: {names}")
     beyond = result.beyond_limits()
     if beyond:
         err.print(f"[bold red]error:[/] beyond the limits: {', '.join(beyond)}")
@@ -122,43 +100,67 @@ def demo(output: OutputOption = Path("out/demo"), seed: SeedOption = 0, robot: R
 
 @app.command(epilog="Example: cv-active-handeye simulate out/cell\n\n" + STATUS_HELP)
 def simulate(
-    dataset: NewDatasetArgument, truth: TruthOption = None, seed: SeedOption = 0, robot: RobotOption = "denso_vp6242"
+    dataset: arguments.NewDataset,
+    truth: arguments.Truth = None,
+    seed: arguments.Seed = 0,
+    robot: arguments.Robot = "denso_vp6242",
+    motion: arguments.MotionChoice = arguments.Motion.DEFAULT,
+    bump_mm: arguments.BumpMm = 0.0,
+    bump_deg: arguments.BumpDeg = 0.0,
 ) -> None:
-    """Records the default motion in the simulated cell: a data set like one of a real robot."""
+    """Records a motion in the simulated cell: a data set like one of a real robot.
+
+    The same seed is the same cell. With --motion check it is visited again, at other stops, for verify; with --bump-mm
+    or --bump-deg its camera has been pushed since.
+    """
     truth_file = truth or dataset.with_name(f"{dataset.name}-truth.yaml")
+    config = {"seed": seed, "robot": robot, "motion": motion.value, "bump_mm": bump_mm, "bump_deg": bump_deg}
     with terminal_reporter() as reporter, told_errors(_Settings.debug, reporter):
         from ..workflow.simulate import simulate as run_simulation
 
-        recorded, _ = run_simulation(dataset, truth_file, _cell_config(seed, robot), reporter)
-    out.print(f"{len(recorded)} views in {escape(str(dataset))}, the truth in {escape(str(truth_file))}")
+        recorded, _ = run_simulation(dataset, truth_file, _cell_config(**config), reporter)
+    _print_lines(f"{len(recorded)} views in {dataset}, the truth in {truth_file}")
 
 
 @app.command(epilog="Example: cv-active-handeye calibrate out/demo/dataset -o calibration.yaml\n\n" + STATUS_HELP)
 def calibrate(
-    dataset: DatasetArgument,
-    output: ResultOption = Path("calibration.yaml"),
-    camera: CameraOption = None,
-    distortion: DistortionOption = None,
-    skew: SkewOption = False,
-    square_pixels: SquareOption = False,
-    method: MethodOption = "metric",
-    laser: LaserOption = True,
-    track: TrackOption = False,
-    config: ConfigOption = None,
-    pictures: PicturesOption = None,
+    dataset: arguments.Dataset,
+    output: arguments.Result = Path("calibration.yaml"),
+    camera: arguments.Camera = None,
+    distortion: arguments.Distortion = None,
+    lens: arguments.Lens = None,
+    skew: arguments.Skew = False,
+    square_pixels: arguments.SquarePixels = False,
+    exact_robot: arguments.ExactRobot = False,
+    robot_mm: arguments.RobotMm = None,
+    robot_deg: arguments.RobotDeg = None,
+    allow_partial: arguments.Partial = False,
+    laser: arguments.Laser = True,
+    track: arguments.Track = False,
+    config: arguments.Config = None,
+    pictures: arguments.Pictures = None,
+    board: arguments.ReportBoard = None,
+    report: arguments.Report = None,
+    no_report: arguments.NoReport = False,
 ) -> None:
-    """Calibrates camera matrix, R_cam2gripper, t_cam2gripper and, with laser images, the light plane.
+    """Calibrates camera matrix, lens, R_cam2gripper, t_cam2gripper and, with laser images, the light plane.
 
     Needs pure translations (stops of equal orientation; for an unknown camera four directions, no three in a plane)
-    and changes of orientation about two axes. Any textured scene that stands still will do.
+    and changes of orientation about two axes. Any textured scene that stands still will do. A result that contradicts
+    its data is saved, marked as not usable, and the exit status is 5.
     """
     given = {
+        "lens_model": lens.value if lens else None,
         "zero_skew": False if skew else None,
-        "square_pixels": True if square_pixels else None,
-        "method": method if method != "metric" else None,
-        "use_laser": False if not laser else None,
-        "track_images": True if track else None,
+        "square_pixels": square_pixels or None,
+        "robot_translation_mm": 0.0 if exact_robot else robot_mm,
+        "robot_rotation_deg": 0.0 if exact_robot else robot_deg,
+        "allow_partial": allow_partial or None,
+        "use_laser": None if laser else False,
+        "track_images": track or None,
     }
+    spec = _board(board) if board is not None else None
+    page = None if no_report else report or output.with_name("report.html")
     with terminal_reporter() as reporter, told_errors(_Settings.debug, reporter):
         options = _options(config, camera, distortion, given)
         recording = Dataset.open(dataset)
@@ -166,24 +168,55 @@ def calibrate(
         result.save(output)
         if pictures is not None:
             draw_pictures(pictures, recording, result, evidence)
-    out.print(calibration_table(result, str(output)))
-    out.print(escape(calibration_summary(result)))
+        if page is not None:
+            report_calibration(page, recording, result, evidence, reporter, spec)
+    _print_calibration(result, str(output))
+    _print_lines(f"Written to {output}" + (f", report: {page}" if page else ""))
+    if result.verdict is not None and not result.verdict.usable:
+        raise typer.Exit(int(Exit.BEYOND_LIMITS))
+
+
+@app.command(
+    epilog="Example: cv-active-handeye verify out/check --calibration out/demo/calibration.yaml\n\n" + STATUS_HELP
+)
+def verify(
+    dataset: arguments.Dataset,
+    calibration: arguments.Verified = Path("calibration.yaml"),
+    track: arguments.Track = False,
+    picture: arguments.Picture = None,
+) -> None:
+    """Asks new views whether a calibration is still valid: after a collision, or when the camera was touched.
+
+    Three views or more of any textured scene; more of them, and turns between them, see smaller changes. Every view is
+    predicted from the others; errors are judged by the noise levels and the covariance of the calibration.
+    """
+    with terminal_reporter() as reporter, told_errors(_Settings.debug, reporter):
+        options = CalibrationOptions(track_images=track)
+        result = run_verification(Dataset.open(dataset), Calibration.load(calibration), options, reporter)
+        if picture is not None:
+            errors = np.array([(row.error_px, row.expected_px) for row in result.views])
+            picture_view_errors(picture, errors[:, 0], errors[:, 1], result.summary.contradictingViews)
+    out.print(verification_table(result))
+    _print_lines(*verification_lines(result))
+    if not result.valid:
+        raise typer.Exit(int(Exit.BEYOND_LIMITS))
 
 
 @app.command(epilog="Example: cv-active-handeye compare out/tabb --board chessboard:8x6:28.5\n\n" + STATUS_HELP)
 def compare(
-    dataset: DatasetArgument,
-    board: BoardOption,
-    calibration: ScoreOption = None,
-    camera: CameraOption = None,
-    distortion: DistortionOption = None,
-    track: TrackOption = False,
+    dataset: arguments.Dataset,
+    board: arguments.Board,
+    calibration: arguments.Score = None,
+    camera: arguments.Camera = None,
+    distortion: arguments.Distortion = None,
+    track: arguments.Track = False,
 ) -> None:
     """Runs OpenCV's calibrateCamera and calibrateHandEye (all five methods) on a board, beside ours without it.
 
     The board stands still, so with a perfect calibration and robot it would not move in the base frame. The columns
     "spread" tell how much it does, "misses" by how many pixels its points miss their places. A board that looks the
     same after a turn may be read turned in some views: prefer ChArUco, or a chessboard with an odd number of rows.
+    Where the recording has no pure translations, ours starts from OpenCV's best result.
     """
     spec = _board(board)
     with terminal_reporter() as reporter, told_errors(_Settings.debug, reporter):
@@ -200,9 +233,7 @@ def compare(
 
 
 @app.command(epilog="Example: cv-active-handeye show calibration.yaml\n\n" + STATUS_HELP)
-def show(
-    file: Annotated[Path, typer.Argument(help="A calibration.yaml, or a data set's folder.", metavar="FILE")],
-) -> None:
+def show(file: arguments.ShownFile) -> None:
     """Prints a result or a data set, and what a data set lacks."""
     with told_errors(_Settings.debug):
         if file.is_dir() or file.name == FILE_NAME:
@@ -214,18 +245,29 @@ def show(
             if problems:
                 raise typer.Exit(int(Exit.BAD_FILE))
             return
-        calibration = Calibration.load(file)
-        out.print(calibration_table(calibration, str(file)))
-        out.print(escape(calibration_summary(calibration)))
+        _print_calibration(Calibration.load(file), str(file))
 
 
-def _cell_config(seed: int, robot: str) -> CellConfig:
+def _print_lines(*lines: str) -> None:
+    for line in lines:
+        out.print(escape(line))
+
+
+def _print_calibration(calibration: Calibration, title: str) -> None:
+    unusable = calibration.verdict is not None and not calibration.verdict.usable
+    out.print(calibration_table(calibration, title))
+    out.print(escape(verdict_text(calibration)), style="bold red" if unusable else "bold")
+    _print_lines(*result_lines(calibration))
+
+
+def _cell_config(**settings: object) -> CellConfig:
     from ..simulation import CellConfig
 
     try:
-        return CellConfig.model_validate({"seed": seed, "robot": robot})
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="--robot") from error
+        return CellConfig.model_validate(settings)
+    except ValidationError as error:
+        hints = [f"--{str(item['loc'][0]).replace('_', '-')}" for item in error.errors()]
+        raise typer.BadParameter(str(error), param_hint=hints) from error
 
 
 def _board(text: str) -> BoardSpec:

@@ -16,90 +16,52 @@ import cv_active_handeye as cah
 
 from ..calibration import Calibration
 from ..dataset import Dataset
-from ..files import FloatArray
+from ..report import true_parameters
 from ..report.errors import rotation_vector_deg
+from ..report.parameters import ROTATION, SCALES
+from ..report.words import two_digits
 from ..workflow import Comparison
+from .results import parameter_rows
 
 if TYPE_CHECKING:
     from ..workflow.demo import DemoResult
+    from ..workflow.verify import Verification
 
-SIGMA_NOTE = "* from image noise and jitter of the robot's orientations; the earlier steps are taken as exact"
-
-Values = dict[str, tuple[float, str, int]]
-"""Name -> (value, unit, digits after the point)."""
-
-
-def _values(K: FloatArray, R: FloatArray, t: FloatArray, plane: FloatArray | None) -> Values:
-    rows: Values = {
-        "fx": (K[0, 0], "px", 2),
-        "fy": (K[1, 1], "px", 2),
-        "cx": (K[0, 2], "px", 2),
-        "cy": (K[1, 2], "px", 2),
-    }
-    rows |= {f"R_cam2gripper r{axis}": (x, "deg", 4) for axis, x in zip("xyz", rotation_vector_deg(R), strict=True)}
-    rows |= {f"t_cam2gripper {axis}": (1000 * x, "mm", 3) for axis, x in zip("xyz", t, strict=True)}
-    if plane is not None:
-        rows |= {f"light plane n{axis}": (x, "", 5) for axis, x in zip("xyz", plane[:3], strict=True)}
-        rows["light plane d"] = (1000 * plane[3], "mm", 3)
-    return rows
-
-
-def _sigmas(calibration: Calibration) -> dict[str, float]:
-    """Standard deviations in the units of `_values`, for what was estimated."""
-
-    def sigma(name: str, scale: float) -> float:
-        return scale * calibration.standard_deviation(name) if name in calibration.parameter_names else math.nan
-
-    found = {name: sigma(name, 1.0) for name in ("fx", "fy", "cx", "cy")}
-    found |= {f"R_cam2gripper r{axis}": sigma(f"r{axis}", math.degrees(1)) for axis in "xyz"}
-    found |= {f"t_cam2gripper {axis}": sigma(f"t{axis}", 1000.0) for axis in "xyz"}
-    found |= {f"light plane n{axis}": sigma(f"n{axis}", 1.0) for axis in "xyz"}
-    return found | {"light plane d": sigma("d", 1000.0)}
+ROTATION_NOTE = "Intervals of R_cam2gripper: error angles about the gripper's axes."
 
 
 def _table(title: str, *columns: str) -> Table:
-    table = Table(title=escape(title), title_justify="left", box=box.SIMPLE_HEAD)
+    table = Table(title=escape(title), title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False, collapse_padding=True)
     for number, column in enumerate(columns):
         table.add_column(escape(column), justify="left" if number == 0 else "right", no_wrap=True)
     return table
 
 
 def calibration_table(calibration: Calibration, title: str = "calibration") -> Table:
-    """Every estimated quantity with its standard deviation; 0 where it was given and kept."""
-    table = _table(title, "quantity", "estimate", "1 sigma*", "unit")
-    values = _values(
-        calibration.camera_matrix, calibration.R_cam2gripper, calibration.t_cam2gripper, calibration.light_plane
-    )
-    sigmas = _sigmas(calibration)
-    for name, (value, unit, digits) in values.items():
-        sigma = sigmas[name]
-        table.add_row(name, f"{value:.{digits}f}", "known" if sigma == 0 else f"{sigma:.{digits}f}", unit)
+    """Every estimated quantity with its 95 % interval."""
+    unusable = calibration.verdict is not None and not calibration.verdict.usable
+    table = _table(f"{title}: NOT USABLE" if unusable else title, "quantity", "estimate", "95 % interval", "unit")
+    for row in parameter_rows(calibration):
+        table.add_row(row.label, f"{row.value:.{row.digits}f}", row.interval, row.unit)
+    table.caption, table.caption_justify = ROTATION_NOTE, "left"
     return table
 
 
-def calibration_summary(calibration: Calibration) -> str:
-    """What the sigmas mean, residuals and counts in three lines."""
-    rms = calibration.rms
-    parts = [f"translations {rms.translations_px:.3f} px", f"rotation {rms.rotation_px:.3f} px"]
-    if rms.light_plane_px is not None:
-        parts.append(f"light plane {rms.light_plane_px:.3f} px")
-    seen = f"{calibration.views} views, {calibration.points} points, {calibration.observations} observations"
-    stripes = f", {calibration.stripe_segments} stripe segments" if calibration.stripe_segments else ""
-    constraints = f"constraints: {', '.join(calibration.constraints)}"
-    return f"{SIGMA_NOTE}\nRMS residuals: {', '.join(parts)}\n{seen}{stripes}; {constraints}"
-
-
 def demo_table(result: DemoResult) -> Table:
-    """Estimate, truth and error of every quantity, then the errors that have limits."""
-    table = _table("estimate against truth", "quantity", "estimate", "truth", "error", "1 sigma*", "unit")
-    found, truth = result.calibration, result.truth
-    estimates = _values(found.camera_matrix, found.R_cam2gripper, found.t_cam2gripper, found.light_plane)
-    truths = _values(truth.camera_matrix, truth.R_cam2gripper, truth.t_cam2gripper, truth.light_plane)
-    sigmas = _sigmas(found)
-    for name, (value, unit, digits) in estimates.items():
-        true = truths[name][0]
-        numbers = [f"{value:.{digits}f}", f"{true:.{digits}f}", f"{value - true:+.{digits}f}"]
-        table.add_row(name, *numbers, f"{sigmas[name]:.{digits}f}", unit)
+    """Estimate, truth, error and interval of every quantity; `inside`: whether the interval holds the truth."""
+    columns = ("quantity", "estimate", "truth", "error", "± 95 %", "inside", "unit")
+    table = _table("estimate against truth", *columns)
+    turn, inside = rotation_vector_deg(result.truth.R_cam2gripper), result.inside()
+    relative = true_parameters(result.calibration, result.truth)
+    for row in parameter_rows(result.calibration):
+        true = SCALES[row.unit] * relative[row.name]
+        error = -true if row.name in ROTATION else row.value - true
+        shown = turn[ROTATION.index(row.name)] if row.name in ROTATION else true
+        numbers = [f"{row.value:.{row.digits}f}", f"{shown:.{row.digits}f}", f"{error:+.{row.digits}f}"]
+        holds = {True: "yes", False: "no"}.get(inside.get(row.name), "-")  # type: ignore[arg-type]
+        table.add_row(row.label, *numbers, two_digits(row.half), holds, row.unit)
+    held = f"{sum(inside.values())} of {len(inside)} intervals hold the truth; 95 % are meant to."
+    table.caption, table.caption_justify = f"{held} {ROTATION_NOTE}", "left"
     return table
 
 
@@ -111,8 +73,21 @@ def limits_table(result: DemoResult) -> Table:
         label, _, unit = name.rpartition("_")
         error = getattr(result.errors, name)
         style = "red" if name in result.beyond_limits() else None
-        shown = "not found" if error is None else f"{error:.3f}"
+        shown = "not found" if error is None else f"{error:.4f}"
         table.add_row(label.replace("_", " "), shown, f"{limit:g}", units[unit], style=style)
+    return table
+
+
+def verification_table(result: Verification) -> Table:
+    """Every view predicted from the others: its error, and what image, robot and calibration noise let expect."""
+    columns = ("view", "error [px]", "expected", "error [mm]", "expected", "agrees")
+    table = _table("new views predicted from each other (RMS)", *columns)
+    for row in result.views:
+        numbers = (row.error_px, row.expected_px, row.error_mm, row.expected_mm)
+        predicted = math.isfinite(row.error_px)
+        answer = ("no" if row.contradicts else "yes") if predicted else "not predicted"
+        shown = [f"{x:.3f}" if math.isfinite(x) else "-" for x in numbers]
+        table.add_row(str(row.view), *shown, answer, style="red" if row.contradicts else None)
     return table
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 active_handeye contributors
 # SPDX-License-Identifier: Apache-2.0
-"""How far a calibration is from the truth of a simulated cell."""
+"""How far a calibration is from the truth of a simulated cell, and whether its intervals hold it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Protocol
 import cv2
 import numpy as np
 
-from ..calibration import Calibration
+from ..calibration import PARAMETERS, Calibration
 from ..files import FloatArray
 
 
@@ -20,6 +20,8 @@ class TrueValues(Protocol):
     # The names say it all; their shapes stand in simulation.Truth.
     @property
     def camera_matrix(self) -> FloatArray: ...  # noqa: D102
+    @property
+    def distortion_coefficients(self) -> FloatArray: ...  # noqa: D102
     @property
     def R_cam2gripper(self) -> FloatArray: ...  # noqa: D102
     @property
@@ -61,8 +63,34 @@ def calibration_errors(estimate: Calibration, truth: TrueValues) -> CalibrationE
     )
 
 
+def true_parameters(estimate: Calibration, truth: TrueValues) -> dict[str, float]:
+    """The truth in the terms of `Calibration.intervals_95`: rx, ry, rz is what turns the estimate into the truth.
+
+    Pixels, rad, metres; the light plane only where both have one.
+    """
+    K, D = truth.camera_matrix, np.append(truth.distortion_coefficients, np.zeros(5))[:5]
+    turn = np.radians(rotation_vector_deg(truth.R_cam2gripper @ estimate.R_cam2gripper.T))
+    values = [K[0, 0], K[1, 1], K[0, 2], K[1, 2], K[0, 1], *D, *turn, *truth.t_cam2gripper]
+    if estimate.light_plane is not None and truth.light_plane is not None:
+        values += truth.light_plane.tolist()
+    return {name: float(value) for name, value in zip(PARAMETERS, values, strict=False)}
+
+
+def inside_intervals(estimate: Calibration, truth: TrueValues) -> dict[str, bool]:
+    """Which 95 % intervals hold the truth, of the parameters that were estimated."""
+    inside = {}
+    for name, value in true_parameters(estimate, truth).items():
+        interval = estimate.interval(name)
+        if interval is not None and estimate.standard_deviation(name) > 0:
+            inside[name] = interval[0] <= value <= interval[1]
+    return inside
+
+
 def rotation_vector_deg(R: FloatArray) -> FloatArray:
-    """Rotation vector (3,) of `R` in degrees."""
+    """Rotation vector (3,) of `R` in degrees, exact also when it is tiny (cv2.Rodrigues gives 0 below 0.0006 deg)."""
+    sine = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    if np.linalg.norm(sine) < 1e-3 and np.trace(R) > 2:
+        return np.asarray(np.degrees(sine * (1 + sine @ sine / 6)), np.float64)
     return np.degrees(cv2.Rodrigues(np.asarray(R, np.float64))[0]).reshape(3).astype(np.float64)
 
 

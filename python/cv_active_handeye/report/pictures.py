@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 active_handeye contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Three pictures of a calibration as PNG files: tracks over an image, the motion in 3-D, the stripe over an image."""
+"""Pictures as PNG files: tracks over an image, the motion in 3-D, the stripe over an image, errors of new views."""
 
 from __future__ import annotations
 
@@ -121,6 +121,27 @@ def picture_motion(
     axes.view_init(elev=22, azim=-58)
     figure.suptitle("Motion: flange axes (red x, green y, blue z) and what the camera looks at")
     figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False)
+    _save(figure, path)
+
+
+def picture_view_errors(
+    path: str | Path, errors: FloatArray, expected: FloatArray, contradicting: Sequence[int]
+) -> None:
+    """RMS errors (V,) of predicted views in pixels as bars beside what is expected (V,); NaN = not predicted."""
+    figure = Figure(figsize=(9.0, 4.0), layout="constrained")
+    axes = figure.add_subplot()
+    views = np.arange(len(errors))
+    colours = [GROUP_COLOURS[1] if view in contradicting else GROUP_COLOURS[0] for view in views]
+    axes.bar(views, np.nan_to_num(errors), 0.6, color=colours)
+    axes.hlines(expected, views - 0.4, views + 0.4, color="black", linewidth=2)
+    axes.set(xlabel="view", ylabel="RMS error [px]", xticks=views)
+    axes.set_title("New views predicted from each other", loc="left")
+    handles = [
+        Line2D([], [], color=GROUP_COLOURS[0], linewidth=8, label="error"),
+        Line2D([], [], color=GROUP_COLOURS[1], linewidth=8, label="far more than expected"),
+        Line2D([], [], color="black", linewidth=2, label="expected from image, robot and calibration"),
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
     _save(figure, path)
 
 

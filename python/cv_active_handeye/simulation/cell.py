@@ -31,7 +31,8 @@ from .truth import TrueView, Truth
 
 Image = NDArray[np.uint8] | NDArray[np.uint16]
 
-_HARDWARE, _SCENE, _ROBOT, _SENSOR = range(4)  # keys of the independent random streams
+_HARDWARE, _SCENE, _ROBOT, _SENSOR, _BUMP = range(5)  # keys of the independent random streams
+_FIRST_STOP = {"default": 0, "check": 1000}  # every visit has noise of its own
 _LAMPS = [Lamp((-0.35, 0.30, 0.9), 0.12, 0.62), Lamp((0.5, -0.1, 1.1), 0.25, 0.30)]
 _AMBIENT, _AMBIENT_WITHOUT_LAMP = 0.22, 1.0
 _AIM = np.array([0.0, 0.0, 0.02])
@@ -61,7 +62,8 @@ class SimulatedCell:
         self.arm = kinematics.arm(self.config.robot)
         rng = np.random.default_rng([self.config.seed, _HARDWARE])
         self.camera = _camera(self.config, rng)
-        self._T_cam2gripper = _mounting(rng)
+        self._T_mount2gripper = _mounting(rng)
+        self._T_cam2gripper = self._T_mount2gripper @ _bump(self.config)
         self.laser = _laser(self.config, rng)
         self._T_bench2base = _bench_pose(self.config, rng)
         self._errors = RobotErrors(self.config, _ROBOT)
@@ -80,9 +82,10 @@ class SimulatedCell:
         return Renderer(self.scene, self.camera, self.laser, sensor, c)
 
     def plan(self) -> list[Array]:
-        """Return the 14 commanded poses (4, 4), gripper to base, of the default recording, all reachable."""
-        to_gripper = np.linalg.inv(self._T_cam2gripper)
-        cameras = motion.camera_poses(motion.default_looks(), _AIM)
+        """Return the commanded poses (4, 4), gripper to base, of the motion, all reachable; they know of no bump."""
+        to_gripper = np.linalg.inv(self._T_mount2gripper)
+        looks = motion.default_looks() if self.config.motion == "default" else motion.check_looks()
+        cameras = motion.camera_poses(looks, _AIM)
         poses = [self._T_bench2base @ pose @ to_gripper for pose in cameras]
         motion.check_motion(self.arm, poses)
         return poses
@@ -123,7 +126,7 @@ class SimulatedCell:
         )
         self._recorded = []
         for i, pose in enumerate(stops):
-            view = self.capture(pose, i)
+            view = self.capture(pose, _FIRST_STOP[c.motion] + i)
             dataset.add_view(
                 view.T_reported[:3, :3], view.T_reported[:3, 3], image=view.image, laser_image=view.laser_image
             )
@@ -186,6 +189,13 @@ def _camera(config: CellConfig, rng: np.random.Generator) -> Camera:
 def _mounting(rng: np.random.Generator) -> Array:
     turn = Rotation.from_rotvec(np.radians(np.array([4.1, -4.6, 2.7]) + rng.uniform(-1, 1, 3)))
     return _pose(turn, np.array([-0.005, 0.103, 0.103]) + rng.uniform(-0.003, 0.003, 3))
+
+
+def _bump(config: CellConfig) -> Array:
+    """Camera to where the camera was, seen from where it was."""
+    direction, axis = np.random.default_rng([config.seed, _BUMP]).standard_normal((2, 3))
+    turn = Rotation.from_rotvec(np.radians(config.bump_deg) * axis / np.linalg.norm(axis))
+    return _pose(turn, config.bump_mm / 1000 * direction / np.linalg.norm(direction))
 
 
 def _laser(config: CellConfig, rng: np.random.Generator) -> Laser:

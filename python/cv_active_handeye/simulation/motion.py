@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 active_handeye contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The default recording: where the camera goes, how it looks at the bench, and whether the arm can do it."""
+"""The recordings: where the camera goes, how it looks at the bench, and whether the arm can do it."""
 
 from __future__ import annotations
 
@@ -41,6 +41,16 @@ def default_looks() -> list[Look]:
         Look((-6, 14, 0), -_GROUP),
         Look((3, -2, -90), np.array([[24, 24, -40], [-32, -24, 40]]) / 1000),
         Look((-20, -2, -35), np.array([[-32, 24, 40], [32, -24, -40]]) / 1000),
+    ]
+
+
+def check_looks() -> list[Look]:
+    """Return 5 stops for verifying a calibration: a translation, and turns about all axes."""
+    return [
+        Look((3, -8, -10), np.array([[20, 20, 30], [-20, -20, -30]]) / 1000),
+        Look((-10, 8, -45), np.array([[-25, 20, -20]]) / 1000),
+        Look((8, -6, -110), np.array([[25, -20, 20]]) / 1000),
+        Look((-14, -8, -70), np.array([[-20, -20, -30]]) / 1000),
     ]
 
 

@@ -53,8 +53,13 @@ class TrackingConfig(BaseModel):
     orientation_tolerance: Positive = 0.05
     """Degrees; views whose orientations differ by less are one group (`cah.groupViews`)."""
 
-    patch_radius: Annotated[int, Field(ge=4, le=30)] = 10
-    """Half width of the square reference patch."""
+    patch_radius: Annotated[int, Field(ge=4, le=30)] = 7
+    """Half width of the square reference patch. Larger patches are less noisy, but what lies in them otherwise than the
+    homography of the two views says displaces all patches of the pair alike, in proportion to their area."""
+
+    min_distance: Annotated[float, Field(ge=0.0)] = 7.0
+    """Tracks nearer than this to a better one, in any view, are left out (0 = none): overlapping patches err alike, and
+    a calibration that takes their errors as independent states too small standard deviations."""
 
     max_iterations: Annotated[int, Field(ge=2, le=100)] = 15
     """Iterations of the patch alignment."""

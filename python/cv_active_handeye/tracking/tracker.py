@@ -18,6 +18,7 @@ from .matching import Indices, Pair, match_pair, nearest_copy, select_pairs
 from .merging import merge_matches
 from .refinement import Observations, refine_tracks
 from .rejection import NoEpipolarGeometryError, consistent_observations, epipolar_distance, epipolar_geometry
+from .thinning import independent_tracks
 
 Progress = Callable[[int, int], None]
 
@@ -86,7 +87,7 @@ def track_points(
     matches, left_out = _match_views(features, pairs, group_ids, config, tell)
     detected = _detected_points(features, matches, left_out, config)
     refined = refine_tracks(greys, detected, config, lambda _: tell.step())
-    return _reject_and_pack(refined, detected, group_ids, left_out, config)
+    return _reject_and_pack(refined, detected, group_ids, left_out, greys[0].shape, config)
 
 
 class _Counter:
@@ -167,12 +168,19 @@ def _detected_points(
 
 
 def _reject_and_pack(
-    refined: Observations, detected: Array, group_ids: Indices, left_out: dict[Pair, str], config: TrackingConfig
+    refined: Observations,
+    detected: Array,
+    group_ids: Indices,
+    left_out: dict[Pair, str],
+    shape: tuple[int, ...],
+    config: TrackingConfig,
 ) -> Tracks:
     good = consistent_observations(refined.points, group_ids, refined.reference, config)
     kept = np.count_nonzero(good, axis=0) >= min(config.min_views, len(good))
     if not kept.any():
         raise TrackingError("images: no track survived refinement; are they sharp, and of one unchanged scene?")
+    sigmas = np.where(good, refined.sigmas, np.nan)[:, kept]
+    kept[kept] = independent_tracks(refined.points[:, kept], sigmas, (shape[1], shape[0]), config.min_distance)
     good, reference = good[:, kept], refined.reference[kept]
     points = np.where(good[:, :, None], refined.points[:, kept], np.nan)
     sigmas = np.where(good, refined.sigmas[:, kept], np.nan)

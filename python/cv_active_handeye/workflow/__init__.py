@@ -8,13 +8,14 @@
 from .boards import BoardSpec
 from .calibrate import calibrate, calibrate_with_evidence
 from .compare import Comparison, compare
-from .evidence import Evidence, StripeSegment
+from .evidence import Evidence, ImagePoints, StripeSegment
 from .reporter import InsufficientDataError, Reporter, Silent
 
 __all__ = [
     "BoardSpec",
     "Comparison",
     "Evidence",
+    "ImagePoints",
     "InsufficientDataError",
     "Reporter",
     "Silent",

@@ -22,7 +22,8 @@ from ..dataset import Dataset
 from ..files import FloatArray
 from .boards import BoardSpec, find_board
 from .calibrate import calibrate_with_evidence
-from .evidence import find_points
+from .evidence import ImagePoints, find_points
+from .refinement import Start
 from .reporter import InsufficientDataError, Reporter, Silent
 
 METHODS = ("TSAI", "PARK", "HORAUD", "ANDREFF", "DANIILIDIS")
@@ -77,7 +78,8 @@ def compare(
     """Calibrates with OpenCV on `board`, target-free with ours, and scores all alike.
 
     Ours runs twice on the same points: with the camera unknown (or as `options` say), and with the board's camera
-    known. A given `calibration` is scored instead. Where ours cannot answer, the row holds the reason.
+    known. Without pure translations it starts from OpenCV's best result, and the row says so. A given `calibration` is
+    scored instead. Where ours cannot answer, the row holds the reason.
     """
     options, reporter = options or CalibrationOptions(), reporter or Silent()
     points, objects = find_board(dataset, board, reporter.step(f"finding the board in {len(dataset)} views"))
@@ -85,7 +87,10 @@ def compare(
     progress = reporter.step("OpenCV's hand-eye methods")
     rows = opencv_hand_eye(dataset, points, objects, camera)
     progress(1, 1)
-    ours = _ours(dataset, camera, options, reporter) if calibration is None else {"given calibration": calibration}
+    if calibration is not None:
+        ours: dict[str, Calibration | str] = {"given calibration": calibration}
+    else:
+        ours = _ours(dataset, camera, _best(rows), options, reporter)
     for name, result in ours.items():
         if isinstance(result, str):
             rows.append(MethodResult(name, problem=result))
@@ -97,23 +102,41 @@ def compare(
     return Comparison(camera, rows)
 
 
+def _best(rows: list[MethodResult]) -> MethodResult | None:
+    """The row whose board points miss their places least."""
+    scored = [row for row in rows if row.reprojection_px is not None]
+    return min(scored, key=lambda row: row.reprojection_px or 0.0, default=None)
+
+
 def _ours(
-    dataset: Dataset, camera: BoardCamera, options: CalibrationOptions, reporter: Reporter
+    dataset: Dataset, camera: BoardCamera, best: MethodResult | None, options: CalibrationOptions, reporter: Reporter
 ) -> dict[str, Calibration | str]:
+    """Where the closed forms refuse (no pure translations), the refinement begins at the best result on the board."""
     alone = options.model_copy(update={"use_laser": False})
-    known = {"camera_matrix": camera.camera_matrix, "distortion_coefficients": camera.distortion}
-    variants = {"ours": alone, "ours, board's camera": alone.model_copy(update={**known, "square_pixels": False})}
+    known: dict[str, Any] = {"camera_matrix": camera.camera_matrix, "distortion_coefficients": camera.distortion}
+    known |= {"lens_model": "auto", "square_pixels": False}
+    variants = {"ours": alone, "ours, board's camera": alone.model_copy(update=known)}
     try:
-        tracks = find_points(dataset, options, reporter)
+        points = find_points(dataset, options, reporter)
     except InsufficientDataError as error:
         return dict.fromkeys(variants, str(error))
-    return {name: _calibration_or_reason(dataset, chosen, tracks) for name, chosen in variants.items()}
+    found: dict[str, Calibration | str] = {}
+    for name, chosen in variants.items():
+        result = _calibration_or_reason(dataset, chosen, points)
+        if isinstance(result, str) and best is not None:
+            start = Start(camera.camera_matrix, best.R_cam2gripper, best.t_cam2gripper)
+            again = _calibration_or_reason(dataset, chosen, points, start)
+            name, result = (name, result) if isinstance(again, str) else (f"{name}, started from {best.name}", again)
+        found[name] = result
+    return found
 
 
-def _calibration_or_reason(dataset: Dataset, options: CalibrationOptions, tracks: FloatArray) -> Calibration | str:
+def _calibration_or_reason(
+    dataset: Dataset, options: CalibrationOptions, points: ImagePoints, start: Start | None = None
+) -> Calibration | str:
     try:
-        return calibrate_with_evidence(dataset, options, Silent(), tracks)[0]
-    except cah.error as error:
+        return calibrate_with_evidence(dataset, options, points=points, start=start)[0]
+    except (cah.error, InsufficientDataError) as error:
         return str(error)
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,12 +30,35 @@ class StripeSegment:
     surface: int = UNSURE
 
 
+class ImagePoints(NamedTuple):
+    """`points` (V, N, 2) px, NaN = not seen; `sigmas` (V, N): the standard deviations per axis that the tracker states,
+    None for points that came with the data set."""
+
+    points: FloatArray
+    sigmas: FloatArray | None = None
+
+    @property
+    def stated_sigma(self) -> float | None:
+        """Median of `sigmas`, px."""
+        return None if self.sigmas is None else float(np.nanmedian(self.sigmas))
+
+    @property
+    def relative_sigmas(self) -> FloatArray | None:
+        """`sigmas` in units of `stated_sigma`: with them a noise level is that of a typical point, in px."""
+        return None if self.sigmas is None else np.asarray(self.sigmas / np.nanmedian(self.sigmas))
+
+
 @dataclass(frozen=True)
 class Evidence:
-    """What was found in the images: `image_points` (V, N, 2) px, NaN = not seen, and the stripe segments."""
+    """What was found in the images: `image_points` (V, N, 2) px, NaN = not seen, and the stripe segments.
+
+    `point_sigmas` (V, N) px as the tracker states them, and `summary`: what `cah.refineHandEye` made of it all.
+    """
 
     image_points: FloatArray
     segments: tuple[StripeSegment, ...]
+    point_sigmas: FloatArray | None = None
+    summary: cah.RefineSummary | None = None
 
 
 def open_recording(dataset: Dataset | str | Path, reporter: Reporter) -> Dataset:
@@ -46,12 +70,12 @@ def open_recording(dataset: Dataset | str | Path, reporter: Reporter) -> Dataset
     return dataset
 
 
-def find_points(dataset: Dataset, options: CalibrationOptions, reporter: Reporter) -> FloatArray:
-    """The data set's own image points where it has some, else tracks of its laser-off images; (V, N, 2), NaN."""
+def find_points(dataset: Dataset, options: CalibrationOptions, reporter: Reporter) -> ImagePoints:
+    """The data set's own image points where it has some, else tracks of its laser-off images."""
     stored = None if options.track_images else dataset.image_points()
     if stored is not None:
         reporter.step(f"reading {stored.shape[1]} image points")(1, 1)
-        return stored
+        return ImagePoints(stored)
     found = [(view.index, dataset.image(view.index)) for view in dataset.views]
     images = {index: image for index, image in found if image is not None}
     if len(images) < 2:
@@ -65,9 +89,10 @@ def find_points(dataset: Dataset, options: CalibrationOptions, reporter: Reporte
         raise InsufficientDataError(f"{dataset.folder}: {error}") from error
     for view in tracks.empty_views:
         reporter.note(f"view {views[view]} shares no points with the others")
-    points = np.full((len(dataset), tracks.points.shape[1], 2), np.nan)
-    points[views] = tracks.points
-    return points
+    points = np.full((len(dataset), len(tracks), 2), np.nan)
+    sigmas = np.full((len(dataset), len(tracks)), np.nan)
+    points[views], sigmas[views] = tracks.points, tracks.sigmas
+    return ImagePoints(points, sigmas)
 
 
 def find_stripes(

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 active_handeye contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Records the default motion in the simulated cell."""
+"""Records a motion in the simulated cell."""
 
 from __future__ import annotations
 
