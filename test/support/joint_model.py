@@ -155,7 +155,7 @@ class Model:
         """By central differences: the columns in units of their lengths, and those units."""
         columns = []
         for i in used:
-            h = 1e-3 if i < 4 else 1e-6
+            h = 1e-2 if i < 4 else 1e-3 if i < 7 else 1e-5
             step = h * np.eye(1, len(u), i)[0]
             columns.append((self.residuals(u + step) - self.residuals(u - step)) / (2 * h))
         J = np.stack(columns, axis=1)

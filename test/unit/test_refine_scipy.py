@@ -90,12 +90,12 @@ def compare(
     sigmas: Array | None = None,
     huber: float | None = None,
 ) -> None:
-    """The optimum agrees to 1e-6 of a standard deviation (1e-3 where Huber's loss clips), the covariance to 1e-3."""
+    """The optimum agrees to 1e-5 of a standard deviation (1e-3 where Huber's loss clips), the covariance to 1e-3."""
     ours = refine(made, seen, lens, board, sigmas, huber)
     weights = np.ones(made.visible.shape) if sigmas is None else sigmas
     model = Model(seen, made.visible, ours.unknowns[:2], ours.R_cam2gripper, ours.light, weights, board)
     free = [*range(4 + LENSES[lens]), *range(7, 13), *([] if ours.light is None else [13, 14, 15])]
-    near = 1e-6 if huber is None else 1e-3
+    near = 1e-5 if huber is None else 1e-3
     best = model.solve(start(made, seen, ours, board), free)
     if huber is not None:
         best = model.solve_huber(best, free, huber)

@@ -31,13 +31,14 @@ LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxItera
         const Eigen::VectorXd step = -llt.solve(Jtr);
         const double cost = problem.costAfter(step);
         const double predictedDecrease = -step.dot(Jtr);
+        const double negligible = std::max(tolerance * summary.cost, problem.negligibleDecrease());
         if (!(cost < summary.cost))
         {
-            summary.converged = predictedDecrease <= tolerance * summary.cost || damping > maxDamping;
+            summary.converged = predictedDecrease <= negligible || damping > maxDamping;
             damping *= 10;
             continue;
         }
-        summary.converged = summary.cost - cost <= tolerance * summary.cost;
+        summary.converged = summary.cost - cost <= negligible;
         problem.apply(step);
         summary.cost = problem.linearize(summary.JtJ, Jtr);
         damping = std::max(damping * 0.1, 1e-12);

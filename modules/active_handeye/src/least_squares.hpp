@@ -24,6 +24,9 @@ public:
 
     //! Moves the state by the step.
     virtual void apply(const Eigen::VectorXd& step) = 0;
+
+    //! A decrease of r^T r not worth a step, whatever r^T r is: where the data are exact, it is rounding alone.
+    virtual double negligibleDecrease() const { return 0; }
 };
 
 struct LeastSquaresSummary
@@ -34,7 +37,7 @@ struct LeastSquaresSummary
     Eigen::MatrixXd JtJ; //!< at the solution; its inverse times the variance of r is the covariance
 };
 
-//! Levenberg-Marquardt; stops when a step lowers the cost by no more than `tolerance` of it.
+//! Levenberg-Marquardt; stops when a step lowers the cost by no more than `tolerance` of it or by what is negligible.
 LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxIterations = 50, double tolerance = 1e-14);
 
 }} // namespace cv::active_handeye

@@ -24,6 +24,16 @@ void addProduct(const Eigen::Matrix<double, M, 2>& A, const Eigen::Matrix<double
         C.col(j) += A.col(0) * B(j, 0) + A.col(1) * B(j, 1);
 }
 
+//! C += A A^T, upper triangle; the entries below it are not all right.
+void addSquare(const CalibrationByPixel& A, Eigen::Matrix<double, POINT_COLUMNS, POINT_COLUMNS>& C)
+{
+    const int half = POINT_COLUMNS / 2;
+    for (int j = 0; j < half; ++j)
+        C.col(j).head<half>() += A.col(0).head<half>() * A(j, 0) + A.col(1).head<half>() * A(j, 1);
+    for (int j = half; j < POINT_COLUMNS; ++j)
+        C.col(j) += A.col(0) * A(j, 0) + A.col(1) * A(j, 1);
+}
+
 //! C -= A B^T
 template <int M, int N>
 void subtractProduct(const Eigen::Matrix<double, M, 3>& A, const Eigen::Matrix<double, N, 3>& B,
@@ -109,7 +119,7 @@ void PointEquations::addObservation(const PointObservation& o, int track)
     const Matrix32d point = o.inverseSigma * residual.byPoint.transpose();
     term.squares += error.squaredNorm();
     term.redundancy += 2;
-    addProduct(calibration, calibration, calibration_);
+    addSquare(calibration, calibration_);
     calibrationPull_ += calibration * error;
     Matrix62d pose, object; // a step of the robot's or the object's pose moves the point, seen from the camera
     pose << turned(X - view.gripper.t, point), -point;

@@ -67,13 +67,13 @@ double RefineProblem::trackCost(int track, const CameraViews& views, const Camer
     return sum;
 }
 
-//! Cost of a track at X and the Gauss-Newton step from there; isRobust: with Huber's pull.
-double RefineProblem::stepOfPoint(int track, const CameraViews& views, const Camera& camera, const Vector3d& X,
-                                  bool isRobust, Vector3d& step) const
+//! Cost of a track at X and the step from there: Gauss-Newton's, or with isRobust that of the weights of Huber's loss at X.
+PointStep RefineProblem::stepOfPoint(int track, const CameraViews& views, const Camera& camera, const Vector3d& X,
+                                     bool isRobust) const
 {
     Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
     Vector3d b = Vector3d::Zero();
-    double sum = 0;
+    PointStep result = {X, 0, false};
     for (int i = tracks.first[track]; i < tracks.first[track + 1]; ++i)
     {
         const PointObservation& o = tracks.observations[i];
@@ -81,32 +81,46 @@ double RefineProblem::stepOfPoint(int track, const CameraViews& views, const Cam
             continue;
         PointResidual residual;
         if (!residual.linearizePoint(camera, views[o.view], X, o.pixel))
-            return infinity;
+            return PointStep{X, infinity, false};
         const double r = residual.error.norm() * o.inverseSigma, k = huberThreshold_ * noise.point;
-        const double information = o.inverseSigma * o.inverseSigma;
-        A.noalias() += information * residual.byPoint.transpose() * residual.byPoint;
-        b.noalias() +=
-            information * (isRobust ? std::min(1., k / r) : 1) * residual.byPoint.transpose() * residual.error;
-        sum += huberCost(r);
+        const double weight = (isRobust && r > k ? k / r : 1) * o.inverseSigma * o.inverseSigma;
+        A.noalias() += weight * residual.byPoint.transpose() * residual.byPoint;
+        b.noalias() += weight * residual.byPoint.transpose() * residual.error;
+        result.cost += huberCost(r);
+        result.isClipped |= r > k;
     }
-    step = -A.ldlt().solve(b);
-    return sum;
+    result.next -= A.ldlt().solve(b);
+    return result;
 }
 
-//! Follows the cameras with a scene point: one plain step, since they may have moved far, then a robust one. Returns the cost of its track.
+/** Follows the cameras with a scene point. Returns the cost of its track.
+
+First a plain step, since they may have moved far, and a robust one from there. Where Huber's loss clips, a robust step from X competes
+with them: a point that is at its robust optimum must be able to stay near it.
+*/
 double RefineProblem::movePoint(int track, const CameraViews& views, const Camera& camera, Vector3d& X) const
 {
-    Vector3d plain, robust;
-    const double stays = stepOfPoint(track, views, camera, X, false, plain);
-    const Vector3d first = X + (std::isfinite(stays) ? plain : Vector3d(Vector3d::Zero()));
-    const double atFirst = stepOfPoint(track, views, camera, first, true, robust);
-    const Vector3d second = first + (std::isfinite(atFirst) ? robust : Vector3d(Vector3d::Zero()));
-    const double atSecond = trackCost(track, views, camera, second);
-    if (atSecond <= std::min(stays, atFirst))
-        X = second;
-    else if (atFirst <= stays)
-        X = first;
-    return std::min(stays, std::min(atFirst, atSecond));
+    const PointStep start = stepOfPoint(track, views, camera, X, false);
+    const PointStep plain = stepOfPoint(track, views, camera, start.next, true);
+    double best = start.cost;
+    const auto offer = [&](const Vector3d& candidate, double cost)
+    {
+        if (cost <= best)
+        {
+            best = cost;
+            X = candidate;
+        }
+    };
+    if (start.isClipped)
+    {
+        const PointStep robust = stepOfPoint(track, views, camera, X, true);
+        const PointStep second = stepOfPoint(track, views, camera, robust.next, true);
+        offer(robust.next, second.cost);
+        offer(second.next, trackCost(track, views, camera, second.next));
+    }
+    offer(start.next, plain.cost);
+    offer(plain.next, trackCost(track, views, camera, plain.next));
+    return best;
 }
 
 //! Moves the camera of a view as the linear model says, and the gripper with it. The images see the camera alone: a step of the

@@ -63,6 +63,14 @@ struct DataTerm
     int redundancy = 0; //!< residuals minus eliminated unknowns
 };
 
+//! Cost of a track at a scene point, and where the point should go.
+struct PointStep
+{
+    Eigen::Vector3d next;
+    double cost;
+    bool isClipped; //!< by Huber's loss
+};
+
 /** Points, stripes and pose priors.
 
 The points' loss is Huber's. Where it clips, the residual is replaced by psi(r) / mean(psi'), which leaves the solution where it is and
@@ -77,6 +85,7 @@ public:
     double linearize(Eigen::MatrixXd& JtJ, Eigen::VectorXd& Jtr) CV_OVERRIDE;
     double costAfter(const Eigen::VectorXd& step) const CV_OVERRIDE;
     void apply(const Eigen::VectorXd& step) CV_OVERRIDE;
+    double negligibleDecrease() const CV_OVERRIDE { return 1e-10; } //!< a step of 1e-5 standard deviations
 
     //! Updates the share of residuals that Huber's loss clips; before every solution. Returns whether it changed.
     bool updateClipping();
@@ -109,8 +118,8 @@ private:
     double priorCost(const CalibrationState& state) const;
     double cost(const CalibrationState& state) const;
     CalibrationState moved(const Eigen::VectorXd& step) const;
-    double stepOfPoint(int track, const CameraViews& views, const Camera& camera, const Eigen::Vector3d& X,
-                       bool isRobust, Eigen::Vector3d& step) const;
+    PointStep stepOfPoint(int track, const CameraViews& views, const Camera& camera, const Eigen::Vector3d& X,
+                          bool isRobust) const;
     double movePoint(int track, const CameraViews& views, const Camera& camera, Eigen::Vector3d& X) const;
     double trackCost(int track, const CameraViews& views, const Camera& camera, const Eigen::Vector3d& X) const;
     double huberCost(double r) const;

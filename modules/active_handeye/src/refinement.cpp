@@ -108,6 +108,7 @@ void HandEyeRefinement::fit(double tolerance)
 {
     const bool isFixed[] = {isLevelGiven(0), isLevelGiven(1), isLevelGiven(2), isLevelGiven(3)};
     const int maxRounds = 12;
+    const double smallestPixelNoise = 1e-6; // less is rounding
     const double smallestShare = 1e-3; // of what image noise alone would explain: below it robot noise does not matter
     setUnknowns();
     for (int round = 0; round < maxRounds; ++round)
@@ -119,7 +120,8 @@ void HandEyeRefinement::fit(double tolerance)
         if (problem_.updateClipping())
             problem_.linearizeData(); // else as the solver left it
         const double angle = problem_.noise.point / problem_.state.calibration.camera.K(0, 0);
-        const double floors[] = {1e-9, 1e-9, smallestShare * angle * workingDistance(), smallestShare * angle};
+        const double floors[] = {smallestPixelNoise, smallestPixelNoise, smallestShare * angle * workingDistance(),
+                                 smallestShare * angle};
         components_.reset(new VarianceComponents(problem_, isFixed, floors));
         const double change = components_->estimate();
         problem_.noise = components_->levels();

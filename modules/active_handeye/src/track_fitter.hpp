@@ -52,15 +52,8 @@ public:
     void excludeContradictingViews()
     {
         while (3 * std::count(excluded_.begin(), excluded_.end(), 1) < viewCount() && aViewIsSuspect())
-        {
-            const std::vector<char> before = excluded_;
-            if (!excludeBest(1) && !excludeBest(2))
-            {
-                excluded_ = before;
-                run();
+            if (!excludeBest())
                 return;
-            }
-        }
     }
 
     //! The image of some view moved as a whole, clearly more than independent noise explains, but not so far that the pose must be wrong.
@@ -158,27 +151,40 @@ private:
     double rounding() const { return 1e-7 / problem_.pixelsPerUnit; }
     double contradiction() const { return problem_.largeResidual / problem_.pixelsPerUnit; } //!< more than noise
 
-    //! Tries every set of `size` views; keeps the best one when it lowers the typical residual decisively.
-    bool excludeBest(int size)
+    //! Median residual without these views too. Leaves them excluded.
+    double residualWithout(const std::vector<char>& before, size_t a, size_t b)
+    {
+        excluded_ = before;
+        excluded_[a] = excluded_[b] = 1;
+        run();
+        return typicalResidual_;
+    }
+
+    //! Excludes the view, or the two of the most suspect views, whose absence lowers the typical residual decisively.
+    bool excludeBest()
     {
         const double decisive = 0.3;
+        const size_t suspects = 12;
         const std::vector<char> before = excluded_;
         std::vector<char> best;
         double bestResidual = decisive * typicalResidual_;
-        const auto attempt = [&]
+        const auto attempt = [&](size_t a, size_t b)
         {
-            run();
-            if (typicalResidual_ < bestResidual)
-                bestResidual = typicalResidual_, best = excluded_;
+            const double residual = residualWithout(before, a, b);
+            if (residual < bestResidual)
+                bestResidual = residual, best = excluded_;
+            return residual;
         };
-        for (size_t a = 0; a < before.size(); ++a)
-            for (size_t b = size == 1 ? a : a + 1; b < (size == 1 ? a + 1 : before.size()); ++b)
-                if (observed_[a] && observed_[b] && !before[a] && !before[b])
-                {
-                    excluded_ = before;
-                    excluded_[a] = excluded_[b] = 1;
-                    attempt();
-                }
+        std::vector<std::pair<double, size_t>> byResidual;
+        for (size_t view = 0; view < before.size(); ++view)
+            if (observed_[view] && !before[view])
+                byResidual.push_back(std::make_pair(attempt(view, view), view));
+        std::sort(byResidual.begin(), byResidual.end());
+        byResidual.resize(std::min(byResidual.size(), suspects));
+        const bool oneSuffices = !best.empty();
+        for (size_t a = 0; !oneSuffices && a < byResidual.size(); ++a)
+            for (size_t b = a + 1; b < byResidual.size(); ++b)
+                attempt(byResidual[a].second, byResidual[b].second);
         excluded_ = best.empty() ? before : best;
         run();
         return !best.empty();

@@ -78,12 +78,27 @@ private:
     const double squaredScale_;
 };
 
+//! Median distance of the points from their predictions; infinite where most are behind the camera.
+double typicalError(const AlignedVector<SeenPoint>& seen, const HandEyeCalibration& calibration, const Pose& pose)
+{
+    const CameraView view(pose, calibration.cam2gripper);
+    std::vector<double> errors;
+    for (const SeenPoint& point : seen)
+    {
+        Eigen::Vector2d error;
+        const bool isSeen = PointResidual::evaluate(calibration.camera, view, point.X, point.observation->pixel, error);
+        errors.push_back(isSeen ? error.norm() * point.observation->inverseSigma
+                                : std::numeric_limits<double>::infinity());
+    }
+    std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
+    return errors[errors.size() / 2];
+}
+
 } // namespace
 
 Pose resectView(const SceneTracks& tracks, const CalibrationState& state, int view, double scale)
 {
-    const double coarseness[] = {1000, 100, 10,
-                                 3}; // in units of scale: wide first, so that a pose that is far off is found
+    const double coarseness[] = {1000, 100, 10, 3}; // in units of scale
     AlignedVector<SeenPoint> seen;
     for (int track = 0; track < tracks.count(); ++track)
         for (int i = tracks.first[track]; i < tracks.first[track + 1]; ++i)
@@ -92,8 +107,11 @@ Pose resectView(const SceneTracks& tracks, const CalibrationState& state, int vi
     Pose pose = state.gripper2base[view];
     if (seen.size() < 4)
         return pose;
+    const double typical = typicalError(seen, state.calibration, pose);
     for (double factor : coarseness)
     {
+        if (factor > 10 && factor * scale > 100 * typical)
+            continue; // only a pose that is far off needs the wide ones first
         ViewPoseProblem problem(state.calibration, pose, factor * scale);
         problem.seen = seen;
         solveLeastSquares(problem, 20, 1e-2);
