@@ -24,7 +24,7 @@ NAMES = (
     *("demo", "refine", "lens_models", "measured_points", "opencv_boards", "protocols", "degenerate", "robust"),
     *("closed_form", "foe", "speed", "refine_speed", "tracking", "detectors", "real_data"),
 )
-PARALLEL = {"refine", "lens_models", "measured_points", "opencv_boards", "protocols", "degenerate", "robust"}
+PARALLEL = {"demo", "refine", "lens_models", "measured_points", "opencv_boards", "protocols", "degenerate", "robust"}
 """Those that run their trials on the workers of cluster.py."""
 MARKERS = "<!-- accuracy: written by make bench -->", "<!-- end of accuracy -->"
 
@@ -48,11 +48,14 @@ class Headline:
 
 
 HEADLINES = (
-    Headline("demo", "median rotation*", "simulated cell, images to calibration: rotation error, median of ten [deg]"),
-    Headline("demo", "median translation*", "- camera position [mm]"),
-    Headline("demo", "median fx*", "- focal length [%]"),
-    Headline("demo", "median plane normal*", "- light plane, normal [deg]"),
-    Headline("demo", "median plane offset*", "- light plane, offset [mm]"),
+    Headline("demo", "24 stops: median rotation*", "simulated cell, images to calibration, 24 stops: rotation [deg]"),
+    Headline("demo", "24 stops: median translation*", "- camera position [mm]"),
+    Headline("demo", "24 stops: median fx*", "- focal length [%]"),
+    Headline("demo", "12 stops: median rotation*", "- with 12 stops: rotation [deg]"),
+    Headline("demo", "12 stops: median translation*", "- camera position [mm]"),
+    Headline("demo", "demo, 14 stops: median plane normal*", "- with 14 stops: light plane, normal [deg]"),
+    Headline("demo", "demo, 14 stops: median plane offset*", "- light plane, offset [mm]"),
+    Headline("demo", "95 % intervals*", "- 95 % intervals that hold the truth, off by [%]"),
     Headline(
         "closed_form",
         "four translations*RMSE / bound",

@@ -119,9 +119,10 @@ def measure(root: Path, names: Sequence[str]) -> Report:
             if any(view.laser_image is not None for view in dataset.views):
                 tables.append(laser_table(name, dataset, comparison.camera))
     setup = (
-        "OpenCV: calibrateCamera and calibrateHandEye on the corners of the board. ours: the closed forms on the same "
-        "corners without knowing the board, K unknown and without distortion; board's camera: with K and distortion "
-        "from calibrateCamera; tracks: on tracked points of the whole images instead of corners."
+        "OpenCV: calibrateCamera and calibrateHandEye on the corners of the board. ours: the refinement on the same "
+        "corners without knowing the board, K unknown, lens model chosen by its test; board's camera: with K and "
+        "distortion from calibrateCamera; tracks: on tracked points of the whole images instead of corners; started "
+        "from: recordings without pure translations have no closed form, so ours begins at OpenCV's best result."
     )
     return Report("Recorded data of real robots", setup, tables)
 

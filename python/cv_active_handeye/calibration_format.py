@@ -33,15 +33,27 @@ def numbers(*shape: int | None) -> Callable[[Any], FloatArray]:
     """A check for arrays of `shape` (None = any length; vectors may be n x 1) that may hold infinities and NaN."""
 
     def check(value: Any) -> FloatArray:
-        array = np.array(value, dtype=np.float64)
+        array = _array(value)
         array = array.reshape(-1) if len(shape) == 1 and array.size in array.shape else array
         if array.ndim != len(shape) or any(n not in (None, m) for n, m in zip(shape, array.shape, strict=True)):
-            needed = " x ".join("n" if n is None else str(n) for n in shape)
-            raise ValueError(f"needs shape {needed}, given {array.shape}")
+            raise ValueError(f"needs shape {_shape_text(shape)}, given {_shape_text(array.shape)}")
         array.flags.writeable = False
         return array
 
     return check
+
+
+def _array(value: Any) -> FloatArray:
+    """`value`, or an OpenCV matrix map, as a new array; else ValueError."""
+    content = unpack(value)
+    try:
+        return np.array(content, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"needs numbers, given {value!r:.80}") from error
+
+
+def _shape_text(shape: tuple[int | None, ...]) -> str:
+    return " x ".join("n" if n is None else str(n) for n in shape) or "a single value"
 
 
 def check_camera_matrix(value: Any) -> FloatArray:
@@ -54,7 +66,7 @@ def check_camera_matrix(value: Any) -> FloatArray:
 
 def check_distortion(value: Any) -> FloatArray:
     """`value` (or an OpenCV matrix map) as a read-only vector of OpenCV distortion coefficients; else ValueError."""
-    coefficients = finite_array(np.asarray(unpack(value), dtype=np.float64).reshape(-1), (None,))
+    coefficients = finite_array(_array(value).reshape(-1), (None,))
     if len(coefficients) not in (4, 5, 8, 12, 14):
         raise ValueError(f"needs 4, 5, 8, 12 or 14 numbers (zeros = no distortion), given {len(coefficients)}")
     return coefficients
@@ -64,7 +76,7 @@ def check_light_plane(value: Any) -> FloatArray | None:
     """`value` as a read-only light plane (nx, ny, nz, d), or None; else ValueError."""
     if value is None:
         return None
-    plane = finite_array(np.asarray(unpack(value), dtype=np.float64).reshape(-1), (4,))
+    plane = finite_array(_array(value).reshape(-1), (4,))
     length = float(np.linalg.norm(plane[:3]))
     if abs(length - 1) > 1e-6 or plane[3] <= 0:
         raise ValueError(f"needs (nx, ny, nz, d) with |n| = 1 and d > 0, given |n| = {length:.6g}, d = {plane[3]:.6g}")
@@ -73,7 +85,7 @@ def check_light_plane(value: Any) -> FloatArray | None:
 
 def check_covariance(value: Any) -> FloatArray:
     """`value` as a read-only square matrix without NaN; variances may be infinite; else ValueError."""
-    C = np.array(unpack(value), dtype=np.float64)
+    C = _array(value)
     if C.ndim != 2 or C.shape[0] != C.shape[1] or np.isnan(C).any() or (np.diag(C) < 0).any():
         raise ValueError(f"needs a square matrix without NaN or negative variances, given shape {C.shape}")
     C.flags.writeable = False

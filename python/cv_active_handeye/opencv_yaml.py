@@ -34,8 +34,13 @@ def unpack(value: Any) -> Any:
         given = ", ".join(map(str, value))
         raise ValueError(f"needs a matrix map with rows, cols, dt: d and data, given the keys {given}")
     rows, cols, data = value["rows"], value["cols"], value["data"]
+    if not (isinstance(rows, int) and isinstance(cols, int) and rows >= 0 and cols >= 0 and isinstance(data, list)):
+        raise ValueError(f"needs counts rows and cols and a list data, given {rows!r}, {cols!r} and {data!r:.80}")
     if len(data) != rows * cols:
         raise ValueError(f"needs {rows} x {cols} = {rows * cols} numbers in data, given {len(data)}")
+    wrong = [x for x in data if not isinstance(x, (int, float))]
+    if wrong:
+        raise ValueError(f"needs numbers in data, given {wrong[0]!r:.80}")
     return np.array(data, dtype=np.float64).reshape(rows, cols)
 
 

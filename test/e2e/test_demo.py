@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 active_handeye contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The demo end to end: simulated images, tracks, stripes, calibration, pictures. One run, many questions."""
+"""The demo end to end: simulated images, tracks, stripes, refinement, report, pictures. One run, many questions."""
 
 from __future__ import annotations
 
@@ -10,11 +10,15 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from support.command_line import run
 
 from cv_active_handeye.calibration import Calibration
+from cv_active_handeye.cli.console import Exit
 from cv_active_handeye.dataset import Dataset
 from cv_active_handeye.simulation import CellConfig, Truth
+from cv_active_handeye.workflow import calibrate
 from cv_active_handeye.workflow.demo import MARKER, DemoResult, demo, prepare_folder
+from cv_active_handeye.workflow.simulate import simulate
 
 
 @pytest.fixture(scope="module")
@@ -28,11 +32,9 @@ def test_every_error_is_within_its_limit(result: DemoResult) -> None:
 
 def test_an_error_beyond_its_limit_or_missing_is_named(result: DemoResult) -> None:
     tight = replace(result.limits, **dict.fromkeys(vars(result.limits), 0.0))
-    wrong = DemoResult(result.folder, result.calibration, result.truth, result.errors, result.pictures, tight)
-    assert wrong.beyond_limits() == list(vars(tight))
+    assert replace(result, limits=tight).beyond_limits() == list(vars(tight))
     missing = replace(result.errors, plane_offset_mm=None)
-    found = DemoResult(result.folder, result.calibration, result.truth, missing, result.pictures)
-    assert found.beyond_limits() == ["plane_offset_mm"]
+    assert replace(result, errors=missing).beyond_limits() == ["plane_offset_mm"]
 
 
 def test_the_estimate_is_not_the_truth(result: DemoResult) -> None:
@@ -73,14 +75,81 @@ def test_pictures_are_images_with_something_on_them(result: DemoResult) -> None:
         assert picture.std() > 10
 
 
-def test_recording_has_the_stops_the_demo_promises(result: DemoResult) -> None:
+def test_recording_has_what_the_demo_promises(result: DemoResult) -> None:
     rms = result.calibration.rms
     assert result.calibration.points >= 1000
     assert result.calibration.stripe_segments >= 30
-    assert rms.translations_px < 0.3
-    assert rms.rotation_px < 0.6
-    assert rms.light_plane_px is not None
-    assert rms.light_plane_px < 0.3
+    assert rms.points_px is not None
+    assert rms.points_px < 0.1
+    assert rms.stripes_px is not None
+    assert rms.stripes_px < 0.1
+
+
+def test_result_is_refined_usable_and_knows_the_noise_of_the_cell(result: DemoResult) -> None:
+    found, cell = result.calibration, CellConfig()
+    assert found.method == "refined"
+    assert found.verdict is not None
+    assert found.verdict.usable
+    assert found.lens is not None
+    assert (found.lens.model, found.lens.chosen) == ("none", True)
+    levels = found.noise_levels
+    assert levels is not None
+    assert levels.robot_translation.level == pytest.approx(cell.repeatability_mm / 1000, rel=0.5)
+    assert levels.robot_rotation.level == pytest.approx(np.radians(cell.repeatability_deg), rel=0.5)
+    assert levels.image_points.level < 0.05
+    assert levels.stated_points_px is not None
+
+
+def test_intervals_are_narrow_and_few_miss_the_truth(result: DemoResult) -> None:
+    """One of twenty is meant to miss; those that go together (nx and d, fx and fy) miss together."""
+    inside = result.inside()
+    assert len(inside) == 14
+    assert sum(inside.values()) >= 11
+    intervals = np.array([result.calibration.interval(name) for name in ("tx", "ty", "tz", "d")], np.float64)
+    assert np.ptp(intervals, axis=1).max() < 5e-4
+
+
+def test_report_is_one_page_that_says_usable(result: DemoResult) -> None:
+    page = result.report.read_text(encoding="utf-8")
+    assert result.report == result.folder / "report.html"
+    assert "<title>Usable" in page
+    assert 4e6 < len(page) < 8e6
+
+
+def test_command_shows_estimate_truth_interval_and_report(result: DemoResult, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cv_active_handeye.workflow.demo.demo", lambda *arguments: result)
+    shown = run("demo", "--seed", "4")
+    assert shown.exit_code == Exit.USABLE
+    rows = [line.split() for line in shown.output.splitlines() if line.split()[-2:-1] in (["yes"], ["no"])]
+    unit_free = [line.split() for line in shown.output.splitlines() if line.split()[-1:] in (["yes"], ["no"])]
+    assert len(rows) + len(unit_free) == 14
+    held = sum(result.inside().values())
+    assert sum("yes" in row for row in rows + unit_free) == held
+    assert f"{held} of 14 intervals hold the truth" in shown.output
+    assert f"{result.truth.camera_matrix[0, 0]:.2f}" in shown.output
+    assert str(result.report) in shown.output.replace("\n", "")
+
+
+def test_command_exits_5_beyond_its_limits(result: DemoResult, monkeypatch: pytest.MonkeyPatch) -> None:
+    tight = replace(result, limits=replace(result.limits, fx_percent=0.0))
+    monkeypatch.setattr("cv_active_handeye.workflow.demo.demo", lambda *arguments: tight)
+    shown = run("demo")
+    assert shown.exit_code == Exit.BEYOND_LIMITS
+    assert "beyond the limits: fx_percent" in shown.output
+
+
+def test_calibrate_again_gives_the_file_of_the_demo(result: DemoResult) -> None:
+    assert calibrate(result.folder / "dataset").to_yaml() == result.calibration.to_yaml()
+
+
+@pytest.mark.parametrize(("bump_mm", "status"), [(0.0, Exit.USABLE), (0.5, Exit.BEYOND_LIMITS)])
+def test_verify_believes_the_cell_as_it_is_and_not_a_bumped_one(
+    result: DemoResult, tmp_path: Path, bump_mm: float, status: Exit
+) -> None:
+    simulate(tmp_path / "check", tmp_path / "truth.yaml", CellConfig(seed=4, motion="check", bump_mm=bump_mm))
+    shown = run("verify", tmp_path / "check", "--calibration", result.folder / "calibration.yaml")
+    assert shown.exit_code == status
+    assert "alid: " in shown.output
 
 
 def test_prepare_folder_replaces_what_a_demo_wrote_and_nothing_else(tmp_path: Path) -> None:

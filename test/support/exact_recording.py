@@ -65,13 +65,13 @@ def stripe_in_camera(surface: Array, light: Array) -> Array:
 
 
 @cache
-def exact_recording() -> Recording:
-    """The recording; the same object every time."""
+def exact_recording(bump_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Recording:
+    """The recording, with the camera moved in the gripper by `bump_mm`; the same object every time."""
     rng = np.random.default_rng(7)
     K = np.array([[1413.0, 0.0, 322.0], [0.0, 1409.0, 236.0], [0.0, 0.0, 1.0]])
     D = np.array([-0.08, 0.05, 0.0007, -0.0004, 0.0])
     X = Rotation.from_euler("xyz", [3, -4, 95], degrees=True).as_matrix()
-    x = np.array([0.035, -0.06, 0.045])
+    x = np.array([0.035, -0.06, 0.045]) + np.array(bump_mm) / 1000
     light = np.array([0.05, 0.87, 0.45, 0.0])
     light[:3] /= np.linalg.norm(light[:3])
     light[3] = 0.5 * light[2]

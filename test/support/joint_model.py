@@ -145,8 +145,10 @@ class Model:
 
         options = {"atol": 1e-14, "btol": 1e-14, "conlim": 1e16, "maxiter": 10000, "regularize": False}
         sparsity = self.sparsity(len(start))[:, used]
-        tolerances = {"ftol": 1e-14, "xtol": 1e-14, "gtol": 1e-12, "tr_options": options}
-        best[used] = least_squares(at, start[used], jac="3-point", jac_sparsity=sparsity, x_scale="jac", **tolerances).x
+        best[used] = least_squares(
+            at, start[used], jac="3-point", jac_sparsity=sparsity, x_scale="jac",
+            ftol=1e-14, xtol=1e-14, gtol=1e-12, tr_options=options,
+        ).x  # fmt: skip
         J, scale = self.derivatives(best, used)
         best[used] -= scale * np.linalg.lstsq(J, self.residuals(best), rcond=None)[0]
         return best

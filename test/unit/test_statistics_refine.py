@@ -12,7 +12,7 @@ import pytest
 
 import cv_active_handeye as cah
 from benchmark import degenerate, lens_models, opencv_boards, protocols, robust
-from benchmark.degenerate_sets import KINDS, Kind
+from benchmark.degenerate_sets import KINDS, Kind, few_points
 from benchmark.protocol_sets import koide_set, visp_set
 from benchmark.refine import QUANTITIES
 from benchmark.refine_trials import Case, Outcomes, trial
@@ -49,6 +49,14 @@ def test_degenerate_sets_end_in_an_error_or_in_honest_intervals(kind: Kind) -> N
     answers = [degenerate.trial(kind, SEED, number) for number in range(6)]
     assert all(answer.refused or np.isfinite(answer.misses).all() for answer in answers)
     assert degenerate.gross([answer for answer in answers if answer.usable]) == 0
+
+
+def test_a_badly_determined_lens_that_holds_the_other_parameters_is_refused() -> None:
+    """Five points: the best fit has k2 = 20 instead of 0.08, and the rotation 9 of its standard deviations off."""
+    answer = degenerate.trial(few_points, 5001, 184)
+    assert answer.refused
+    assert "lens distortion: badly determined" in answer.text
+    assert "hang on it" in answer.text
 
 
 @pytest.mark.parametrize("name", robust.SPOILERS)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+from support.calibrations import refined
 
 from cv_active_handeye.dataset import CameraInfo, Dataset
 from cv_active_handeye.workflow import BoardSpec, InsufficientDataError, compare
@@ -18,6 +19,7 @@ from cv_active_handeye.workflow.boards import find_board
 
 K = np.array([[900.0, 0, 320], [0, 905, 240], [0, 0, 1]])
 X = Rotation.from_euler("xyz", [4, -7, 60], degrees=True).as_matrix()
+NAMES = ("ours", "ours, board's camera")
 X_POSITION = np.array([0.03, -0.05, 0.08])
 
 
@@ -37,8 +39,8 @@ def board_views(count: int = 10) -> tuple[NDArray[np.float64], NDArray[np.float6
     return np.array(grippers), np.array(boards)
 
 
-def recorded(folder: Path, noise_mm: float = 0.0) -> Dataset:
-    """A data set with exact board points; `noise_mm` moves the reported gripper positions."""
+def recorded(folder: Path, noise_mm: float = 0.0, noise_px: float = 0.0) -> Dataset:
+    """A data set with board points; `noise_mm` moves the reported gripper positions, `noise_px` the points."""
     rng = np.random.default_rng(12)
     grippers, boards = board_views()
     corners = np.mgrid[:9, :6].T.reshape(-1, 2) * 0.02 + [0.42, 0.05]
@@ -49,7 +51,7 @@ def recorded(folder: Path, noise_mm: float = 0.0) -> Dataset:
         dataset.add_view(gripper[:3, :3], gripper[:3, 3] + rng.normal(size=3) * noise_mm / 1000)
         projected, _ = cv2.projectPoints(board, cv2.Rodrigues(pose[:3, :3])[0], pose[:3, 3], K, np.zeros(5))
         points.append(projected.reshape(-1, 2))
-    dataset.set_image_points(np.array(points), board)
+    dataset.set_image_points(np.array(points) + noise_px * rng.normal(size=(len(points), 54, 2)), board)
     return dataset
 
 
@@ -82,13 +84,40 @@ def test_wrong_robot_positions_show_as_spread(tmp_path: Path) -> None:
         assert 1.0 < row.spread_mm < 6.0, row.name
 
 
-def test_ours_without_translations_holds_the_reason(tmp_path: Path) -> None:
-    comparison = compare(recorded(tmp_path / "set"), BoardSpec.parse("points"))
-    ours = [row for row in comparison.rows if row.name.startswith("ours")]
-    assert len(ours) == 2
+@needs_calibrate_hand_eye
+def test_ours_without_translations_starts_from_the_best_on_the_board_and_says_so(tmp_path: Path) -> None:
+    comparison = compare(recorded(tmp_path / "set", noise_px=0.002), BoardSpec.parse("points"))
+    best = min(comparison.rows[:5], key=lambda row: row.reprojection_px or np.inf)
+    ours = comparison.rows[5:]
+    assert [row.name for row in ours] == [f"{name}, started from {best.name}" for name in NAMES]
     for row in ours:
+        assert row.problem == ""
+        assert row.t_cam2gripper == pytest.approx(X_POSITION, abs=2e-4), row.name
+        assert row.R_cam2gripper == pytest.approx(X, abs=2e-4), row.name
+        assert row.camera is not None
+        assert row.camera[0] == pytest.approx(K, abs=0.3)
+        assert row.reprojection_px is not None
+        assert row.reprojection_px < 0.1
+
+
+def test_ours_that_cannot_start_holds_the_reason(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr(cv2, "calibrateHandEye", raising=False)
+    comparison = compare(recorded(tmp_path / "set"), BoardSpec.parse("points"))
+    assert [row.name for row in comparison.rows[5:]] == list(NAMES)
+    for row in comparison.rows[5:]:
         assert "equal orientation" in row.problem
         assert row.R_cam2gripper is None
+
+
+@needs_calibrate_hand_eye
+def test_given_calibration_is_scored_instead_of_ours(tmp_path: Path) -> None:
+    given = refined(camera_matrix=K, distortion_coefficients=np.zeros(5), R_cam2gripper=X, t_cam2gripper=X_POSITION)
+    comparison = compare(recorded(tmp_path / "set"), BoardSpec.parse("points"), calibration=given)
+    (row,) = comparison.rows[5:]
+    assert row.name == "given calibration"
+    assert row.spread_mm == pytest.approx(0, abs=1e-3)
+    assert row.spread_deg == pytest.approx(0, abs=1e-4)
+    assert row.reprojection_px == pytest.approx(0, abs=1e-3)
 
 
 def test_opencv_without_calibrate_hand_eye_is_said_and_the_rest_goes_on(

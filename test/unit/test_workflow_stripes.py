@@ -18,7 +18,7 @@ from cv_active_handeye.report.errors import angle_between_deg
 from cv_active_handeye.workflow import Silent, calibrate, calibrate_with_evidence
 from cv_active_handeye.workflow.evidence import find_stripes
 
-SIGMA = 1.5
+SIGMA, POINT_NOISE_PX = 1.5, 0.02
 
 
 def stripe_image(stripe: NDArray[np.float64]) -> NDArray[np.uint8]:
@@ -32,8 +32,8 @@ def stripe_image(stripe: NDArray[np.float64]) -> NDArray[np.uint8]:
 
 
 def recording_with_stripes(folder: Path, surface: int, turned: bool = False) -> Dataset:
-    """The exact recording with laser images that cross one surface; `turned` swaps the axes of image and laser."""
-    truth = exact_recording()
+    """The recording with laser images that cross one surface; `turned` swaps the axes of image and laser."""
+    truth, rng = exact_recording(), np.random.default_rng(4)
     laser = LaserInfo(stripe="vertical" if turned else "horizontal")
     camera = CameraInfo(width=480, height=640) if turned else CameraInfo(width=640, height=480)
     dataset = Dataset.create(folder, camera=camera, laser=laser)
@@ -46,7 +46,8 @@ def recording_with_stripes(folder: Path, surface: int, turned: bool = False) -> 
             laser_image=np.ascontiguousarray(image.T) if turned else image,
             surface_id=surface,
         )
-    dataset.set_image_points(truth.imagePoints[:, :, ::-1] if turned else truth.imagePoints)
+    points = truth.imagePoints + POINT_NOISE_PX * rng.normal(size=truth.imagePoints.shape)
+    dataset.set_image_points(points[:, :, ::-1] if turned else points)
     return dataset
 
 
@@ -60,10 +61,16 @@ def check_light_plane(result: Calibration) -> None:
     assert result.light_plane is not None
     assert angle_between_deg(result.light_plane[:3], truth[:3]) < 0.05
     assert result.light_plane[3] == pytest.approx(truth[3], abs=3e-4)
-    assert result.rms.light_plane_px is not None
-    assert result.rms.light_plane_px < 0.1
+    assert result.rms.stripes_px is not None
+    assert result.rms.stripes_px < 0.1
     assert result.stripe_segments == 14
-    assert result.parameter_names[-4:] == ("nx", "ny", "nz", "d")
+    for i, name in enumerate(("nx", "ny", "nz", "d")):
+        sigma = result.standard_deviation(name)
+        assert 0 < sigma < 1e-3, name
+        assert abs(result.light_plane[i] - truth[i]) < 4 * sigma, name
+    assert result.noise_levels is not None
+    assert result.noise_levels.stripes is not None
+    assert result.noise_levels.stripes.lower <= result.noise_levels.stripes.level <= result.noise_levels.stripes.upper
 
 
 def test_stripes_on_a_named_surface_give_the_light_plane(tmp_path: Path) -> None:
@@ -75,7 +82,10 @@ def test_stripes_are_left_out_when_asked(tmp_path: Path) -> None:
     result, evidence = calibrate_with_evidence(recording_with_stripes(tmp_path / "set", 0), options)
     assert result.light_plane is None
     assert evidence.segments == ()
-    assert "nx" not in result.parameter_names
+    assert [result.standard_deviation(name) for name in ("nx", "ny", "nz", "d")] == [0, 0, 0, 0]
+    assert result.noise_levels is not None
+    assert result.noise_levels.stripes is None
+    assert result.rms.stripes_px is None
 
 
 def test_vertical_stripes_are_found_like_horizontal_ones(tmp_path: Path) -> None:

@@ -101,6 +101,20 @@ double LightPlaneCalibration::rms() const
     return std::sqrt(squares / points);
 }
 
+void LightPlaneCalibration::calibrate(const AlignedVector<Pose>& gripper2base, const Matrix3d& cam2gripper,
+                                      const std::vector<Pixels>& stripes, const std::vector<int>& views,
+                                      const std::vector<int>& ids, double orientationTolerance)
+{
+    const std::vector<MotionGroup> groups = groupByOrientation(gripper2base, orientationTolerance);
+    requireTranslation(groups, gripper2base, orientationTolerance);
+    readSurfaces(gripper2base, groups, cam2gripper, stripes, views, ids);
+    requireViews();
+    findDirections();
+    start();
+    refine();
+    requireAnswer();
+}
+
 void LightPlaneCalibration::warn() const
 {
     if (!contradictions_.empty())
@@ -124,14 +138,7 @@ double calibrateLightPlane(InputArrayOfArrays R_gripper2base, InputArrayOfArrays
     LightPlaneCalibration calibration;
     calibration.camera = readCamera(cameraMatrix, distCoeffs);
     calibration.knownPoints = readPoints3D(knownPoints, "knownPoints");
-    const std::vector<MotionGroup> groups = groupByOrientation(poses, tolerance);
-    requireTranslation(groups, poses, tolerance);
-    calibration.readSurfaces(poses, groups, readRotation(R_cam2gripper, "R_cam2gripper"), stripes, views, ids);
-    calibration.requireViews();
-    calibration.findDirections();
-    calibration.start();
-    calibration.refine();
-    calibration.requireAnswer();
+    calibration.calibrate(poses, readRotation(R_cam2gripper, "R_cam2gripper"), stripes, views, ids, tolerance);
     calibration.warn();
     const LightPlane light = calibration.light();
     writeMatrix((Eigen::Vector4d() << light.n, light.d).finished(), lightPlane);

@@ -29,6 +29,17 @@ public:
     double unit = 1;
     StripeSurfaces surfaces;
 
+    //! All steps. Throws StsNoConv where the stripes do not determine the light plane.
+    void calibrate(const AlignedVector<Pose>& gripper2base, const Eigen::Matrix3d& cam2gripper,
+                   const std::vector<Pixels>& stripes, const std::vector<int>& views, const std::vector<int>& ids,
+                   double orientationTolerance);
+
+    LightPlane light() const { return LightPlane{light_.n, light_.d * unit}; }
+    Eigen::Matrix4d covariance() const;
+    double rms() const;
+    void warn() const; //!< names the segments left out
+
+private:
     //! Segments with a surface id, as lines, by group and surface.
     void readSurfaces(const AlignedVector<Pose>& gripper2base, const std::vector<MotionGroup>& groups,
                       const Eigen::Matrix3d& cam2gripper, const std::vector<Pixels>& stripes,
@@ -38,13 +49,6 @@ public:
     void start();               //!< closed form
     void refine();              //!< maximum likelihood, robust first; drops segments that contradict
     void requireAnswer() const; //!< throws when the answer is weak or rests on too few of the segments
-
-    LightPlane light() const { return LightPlane{light_.n, light_.d * unit}; }
-    Eigen::Matrix4d covariance() const;
-    double rms() const;
-    void warn() const; //!< names the segments left out
-
-private:
     LeastSquaresSummary solve(double cauchyScale);
     void updateCovariance(const LeastSquaresSummary& summary);
     bool dropContradictions();

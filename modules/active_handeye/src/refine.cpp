@@ -3,6 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 #include "precomp.hpp"
+#include "light_plane_calibration.hpp"
 #include "start_search.hpp"
 
 namespace cv { namespace active_handeye {
@@ -40,6 +41,16 @@ RefineMeasurements readMeasurements(InputArrayOfArrays R_gripper2base, InputArra
     return m;
 }
 
+LightPlane lightPlaneOf(const RefineMeasurements& measurements, const HandEyeCalibration& start,
+                        double orientationTolerance)
+{
+    LightPlaneCalibration closedForm;
+    closedForm.camera = start.camera;
+    closedForm.calibrate(measurements.gripper2base, start.cam2gripper.R, measurements.stripes, measurements.stripeViews,
+                         measurements.surfaceIds, orientationTolerance);
+    return closedForm.light();
+}
+
 Eigen::Matrix<double, 5, 1> distortionOf(const Camera& camera)
 {
     return Eigen::Map<const Eigen::Matrix<double, 5, 1>>(camera.D);
@@ -69,17 +80,9 @@ double refineHandEye(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gri
     const std::unique_ptr<HandEyeRefinement> refinement = StartSearch(given, measurements, params).refinePoints();
     if (!measurements.stripes.empty())
     {
-        Mat plane = lightPlane.getMat();
-        if (plane.empty())
-        {
-            Mat K, D, R;
-            writeMatrix(refinement->calibration().camera.K, K);
-            writeMatrix(distortionOf(refinement->calibration().camera), D);
-            writeMatrix(refinement->calibration().cam2gripper.R, R);
-            calibrateLightPlane(R_gripper2base, t_gripper2base, stripePoints, stripeViews, surfaceIds, K, D, R, plane,
-                                noArray(), noArray(), params.orientationTolerance);
-        }
-        refinement->fitStripes(readLightPlane(plane));
+        const HandEyeCalibration& start = refinement->calibration();
+        refinement->fitStripes(lightPlane.empty() ? lightPlaneOf(measurements, start, params.orientationTolerance)
+                                                  : readLightPlane(lightPlane));
     }
     refinement->requireAnswer();
 

@@ -6,6 +6,7 @@
 #define OPENCV_ACTIVE_HANDEYE_REFINEMENT_HPP
 
 #include "noise_levels.hpp"
+#include "observability.hpp"
 #include "refine_input.hpp"
 #include "turn_directions.hpp"
 
@@ -83,8 +84,11 @@ private:
     void compactSurfaces();
     double workingDistance() const;
     bool isLevelGiven(int component) const;
+    bool observesTranslation() const;
 
     void requireRedundancy() const;
+    std::vector<WeakDirection> weakDirectionsOf(const VarianceComponents& components) const;
+    double deviationsHeldByLens();
     void summarizeParameters(RefineSummary& summary) const;
     void summarizeNoise(RefineSummary& summary) const;
     void summarizeResiduals(RefineSummary& summary) const;

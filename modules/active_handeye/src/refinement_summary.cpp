@@ -5,7 +5,6 @@
 // The verdict, and everything that supports it.
 #include "precomp.hpp"
 #include "distributions.hpp"
-#include "observability.hpp"
 #include "refinement.hpp"
 #include "residuals.hpp"
 
@@ -17,66 +16,6 @@ using Eigen::VectorXd;
 
 static const double NaN = std::numeric_limits<double>::quiet_NaN();
 static const double infinity = std::numeric_limits<double>::infinity();
-static const double weakLimit = 0.005, refusedLimit = 0.02; // of what would mean that nothing is known
-
-//! Noise levels that the data cannot tell apart make a covariance of nothing.
-void HandEyeRefinement::requireRedundancy() const
-{
-    const double smallestRedundancy = 20;
-    if (!converged_)
-        CV_Error(
-            Error::StsNoConv,
-            cv::format("refineHandEye: no convergence after params.maxIterations = %d; needed poses that belong to "
-                       "the images, or a better start",
-                       params_.maxIterations));
-    const double largestInflation = 1e10;
-    const double inflation = components_->varianceInflation(int(problem_.unknowns.calibration.cols()));
-    if (inflation > largestInflation)
-        CV_Error(
-            Error::StsNoConv,
-            cv::format(
-                "refineHandEye: the data do not determine the result (variance inflation %.2g); needed more views, in other "
-                "orientations and at other places",
-                inflation));
-    const double redundancy = components_->effectiveRedundancy(NOISE_POINT);
-    if (components_->isEstimated(NOISE_POINT) && redundancy < smallestRedundancy)
-        CV_Error(
-            Error::StsNoConv,
-            cv::format(
-                "imagePoints: too few to tell image noise from the robot's; needed a redundancy of %g, given %.1f: add "
-                "points or views, or give params.pointSigma",
-                smallestRedundancy, redundancy));
-}
-
-void HandEyeRefinement::requireAnswer()
-{
-    const MatrixXd& B = problem_.unknowns.calibration;
-    const MatrixXd covariance = components_->covariance().topLeftCorner(B.cols(), B.cols());
-    double imageRadius = 1e-3;
-    const Camera& camera = problem_.state.calibration.camera;
-    for (const PointObservation& o : tracks_.observations)
-        if (o.used)
-            imageRadius = std::max(imageRadius, camera.ray(o.pixel).head<2>().norm());
-    const std::vector<WeakDirection> weak =
-        findWeakDirections(covariance.ldlt().solve(MatrixXd::Identity(B.cols(), B.cols())), B, calibration(),
-                           workingDistance(), imageRadius, turns_, weakLimit);
-    std::string refused;
-    for (const WeakDirection& direction : weak)
-    {
-        weakDirections_.push_back(direction.text);
-        const bool isLens =
-            direction.direction.segment<5>(COLUMN_DISTORTION).squaredNorm() > 0.5 * direction.direction.squaredNorm();
-        if (direction.deviation > refusedLimit && !isLens)
-            refused += (refused.empty() ? "" : "; ") + direction.text;
-    }
-    requireRedundancy();
-    if (!refused.empty())
-        CV_Error(Error::StsNoConv, "refineHandEye: the data do not determine the result: " + refused);
-    const MatrixXd& seen = turns_.observed;
-    if (seen.cols() == 3 || params_.flags & REFINE_FIX_TRANSLATION)
-        return;
-    weakDirections_.push_back(unobservedTranslation(turns_.axis, turns_));
-}
 
 //! 20 x free: derivative of the parameters of RefineSummary by the free directions of the calibration.
 static MatrixXd parametersByUnknowns(const RefineProblem& problem)
@@ -97,6 +36,21 @@ static Eigen::Matrix<double, 20, 1> parameterValues(const HandEyeCalibration& c)
     return values;
 }
 
+bool HandEyeRefinement::observesTranslation() const
+{
+    return turns_.observed.cols() == 3 || params_.flags & REFINE_FIX_TRANSLATION;
+}
+
+//! Infinite (co)variances of a position in the gripper frame where the turns do not tell it.
+static void markUnobserved(const TurnDirections& turns, Eigen::Ref<MatrixXd> covariance)
+{
+    const Eigen::Matrix3d unseen = Eigen::Matrix3d::Identity() - turns.observed * turns.observed.transpose();
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (std::abs(unseen(i, j)) > 1e-12)
+                covariance(i, j) = std::copysign(infinity, unseen(i, j));
+}
+
 void HandEyeRefinement::summarizeParameters(RefineSummary& summary) const
 {
     const char* const names[] = {"fx", "fy", "cx", "cy", "skew", "k1", "k2", "p1", "p2", "k3",
@@ -107,14 +61,8 @@ void HandEyeRefinement::summarizeParameters(RefineSummary& summary) const
     VectorXd dof(20), deviation(20);
     MatrixXd intervals(20, 2);
     const auto values = parameterValues(calibration());
-    if (turns_.observed.cols() < 3 && !(params_.flags & REFINE_FIX_TRANSLATION))
-    {
-        const Eigen::Matrix3d unseen = Eigen::Matrix3d::Identity() - turns_.observed * turns_.observed.transpose();
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j)
-                if (std::abs(unseen(i, j)) > 1e-12)
-                    covariance(COLUMN_TRANSLATION + i, COLUMN_TRANSLATION + j) = std::copysign(infinity, unseen(i, j));
-    }
+    if (!observesTranslation())
+        markUnobserved(turns_, covariance.block<3, 3>(COLUMN_TRANSLATION, COLUMN_TRANSLATION));
     for (int i = 0; i < 20; ++i)
     {
         VectorXd direction = VectorXd::Zero(problem_.unknowns.count());
@@ -228,8 +176,10 @@ void HandEyeRefinement::summarizeVerdict(RefineSummary& summary) const
 {
     const int f = int(problem_.unknowns.calibration.cols());
     summary.workingDistance = workingDistance();
-    const Eigen::Matrix3d tool =
-        toolCovariance(problem_, components_->covariance().topLeftCorner(f, f), summary.workingDistance);
+    MatrixXd tool = toolCovariance(problem_, components_->covariance().topLeftCorner(f, f), summary.workingDistance);
+    const double deviation = std::sqrt(Eigen::SelfAdjointEigenSolver<MatrixXd>(tool).eigenvalues()(2));
+    if (!observesTranslation())
+        markUnobserved(turns_, tool);
     writeMatrix(tool, summary.toolCovariance);
     summary.rejectedViews = doubtedViews_;
     std::sort(summary.rejectedViews.begin(), summary.rejectedViews.end());
@@ -250,7 +200,6 @@ void HandEyeRefinement::summarizeVerdict(RefineSummary& summary) const
     const bool lensFits = lens.pValue > 1e-4;
     const bool noiseFits = !(summary.chiSquarePValue < 1e-4);
     summary.usable = lensFits && noiseFits;
-    const double deviation = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(tool).eigenvalues()(2));
     if (!lensFits)
         summary.message = cv::format("not usable: the lens has distortion that lensModel = %d lacks (p = %.2g)",
                                      lensModel_, lens.pValue);
@@ -259,6 +208,8 @@ void HandEyeRefinement::summarizeVerdict(RefineSummary& summary) const
             cv::format("not usable: residuals and pose corrections are larger than the noise levels given "
                        "(chi-square %.4g for %.0f degrees of freedom, p = %.2g)",
                        summary.chiSquare, summary.chiSquareDof, summary.chiSquarePValue);
+    else if (!observesTranslation())
+        summary.message = "usable in part: " + weakDirections_.back();
     else
         summary.message = cv::format("usable: a point at the working distance of %.4g is known to %.2g (unit of "
                                      "t_gripper2base, 95 %%) in the gripper frame",

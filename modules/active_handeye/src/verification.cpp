@@ -70,6 +70,16 @@ void Verification::leaveOut(double limit)
     }
 }
 
+//! Its points are no wrong matches, then: the view as a whole contradicts the others.
+bool Verification::isMostlyRejected(int view) const
+{
+    int balance = 0;
+    for (const PointObservation& o : tracks_.observations)
+        if (o.view == view)
+            balance += o.used ? -1 : 1;
+    return balance > 0;
+}
+
 static double typicalError(const SceneTracks& tracks, const CalibrationState& state)
 {
     std::vector<double> errors = normalizedErrors(tracks, state);
@@ -88,6 +98,22 @@ void Verification::findScene()
     settle(problem_);
     leaveOut(wildError * std::max(typicalError(tracks_, problem_.state), problem_.noise.point));
     settle(problem_);
+}
+
+//! Factor of 1 or more at which the squared length, which falls with it, is that of `dof` normal numbers.
+template <class Length>
+static double largerCovariance(const Length& length, int dof)
+{
+    double low = 1, high = 1;
+    const double largest = 1e8;
+    while (length(high) > dof && high < largest)
+        low = high, high *= 4;
+    for (int i = 0; i < 20 && high > low; ++i)
+    {
+        const double middle = std::sqrt(low * high);
+        (length(middle) > dof ? low : high) = middle;
+    }
+    return high;
 }
 
 void Verification::testDrift()
@@ -131,13 +157,33 @@ void Verification::testDrift()
     const MatrixXd correlation = scale.cwiseInverse().asDiagonal() *
                                  (B.cwiseSign().transpose() * covariance_ * B.cwiseSign()) *
                                  scale.cwiseInverse().asDiagonal();
-    const MatrixXd spread = noiseFactor * MatrixXd::Identity(driftDof, driftDof) +
-                            root.asDiagonal() * (U.transpose() * correlation * U) * root.asDiagonal();
+    const MatrixXd ofCalibration = root.asDiagonal() * (U.transpose() * correlation * U) * root.asDiagonal();
+    const auto length = [&](double factor) // squared, when the calibration's covariance is larger by a factor
+    {
+        MatrixXd spread = factor * ofCalibration;
+        spread.diagonal().array() += noiseFactor;
+        return z.dot(spread.ldlt().solve(z));
+    };
+    driftChiSquare = length(1);
+    estimateShift(B * correlation * U * root.asDiagonal(), ofCalibration, z, B.rowwise().sum(),
+                  largerCovariance(length, driftDof));
+}
+
+/** Regression of the parameters on z.
+
+After a change the calibration is farther off than its covariance says: by as much as makes the squared length of z the expected one.
+byScore: covariance of the parameters with z. tested: standard deviations of the calibration, 0 where it is not tested.
+*/
+void Verification::estimateShift(const MatrixXd& byScore, const MatrixXd& ofCalibration, const VectorXd& z,
+                                 const VectorXd& tested, double factor)
+{
+    MatrixXd spread = factor * ofCalibration;
+    spread.diagonal().array() += noiseFactor;
     const Eigen::LDLT<MatrixXd> inverse(spread);
-    driftChiSquare = z.dot(inverse.solve(z));
-    const MatrixXd gain = B * correlation * U * root.asDiagonal(); // covariance of the parameters with z
+    const MatrixXd gain = factor * byScore;
     shift = -gain * inverse.solve(z);
-    shiftDeviation = (gain * inverse.solve(gain.transpose())).diagonal().cwiseMax(0).cwiseSqrt();
+    const VectorXd explained = (gain * inverse.solve(gain.transpose())).diagonal();
+    shiftDeviation = (factor * tested.cwiseAbs2() - explained).cwiseMax(0).cwiseSqrt();
 }
 
 ViewPrediction Verification::predict(int view) const
@@ -188,6 +234,7 @@ ViewPrediction Verification::predict(int view) const
         }
         return J;
     };
+    const bool isDoubted = isMostlyRejected(view);
     double count = 0, errors = 0, expected = 0, lengths = 0, expectedLengths = 0;
     const double variance = std::pow(problem.noise.point, 2);
     for (int track = 0; track < others.count(); ++track)
@@ -200,7 +247,7 @@ ViewPrediction Verification::predict(int view) const
         {
             const PointObservation& o = tracks_.observations[i];
             PointResidual residual;
-            if (o.view == view && o.used)
+            if (o.view == view && (o.used || isDoubted))
                 seen = &o;
             if (!others.observations[i].used || !residual.linearize(camera, cameras[o.view], X, o.pixel))
                 continue;

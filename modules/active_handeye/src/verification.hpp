@@ -40,6 +40,9 @@ public:
 private:
     void settle(RefineProblem& problem) const;
     void leaveOut(double limit);
+    bool isMostlyRejected(int view) const;
+    void estimateShift(const Eigen::MatrixXd& byScore, const Eigen::MatrixXd& ofCalibration, const Eigen::VectorXd& z,
+                       const Eigen::VectorXd& tested, double factor);
     Eigen::MatrixXd testedColumns() const;
 
     const AlignedVector<Pose>& gripper2base_;

@@ -5,42 +5,40 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import numpy as np
 import typer
-from pydantic import ValidationError
 from rich.markup import escape
 
 import cv_active_handeye as cah
 
-from ..calibration import Calibration, read_camera
+from ..calibration import Calibration
 from ..config import CalibrationOptions
 from ..dataset import FILE_NAME, Dataset
-from ..files import read_yaml, validate
 from ..report import picture_view_errors
-from ..workflow import BoardSpec, Comparison, calibrate_with_evidence
+from ..workflow import Comparison, calibrate_with_evidence
 from ..workflow import compare as run_comparison
 from ..workflow.pictures import draw_pictures
 from ..workflow.reporting import report_calibration
 from ..workflow.verify import verify as run_verification
 from . import arguments
-from .arguments import STATUS_HELP
 from .console import Exit, err, out, terminal_reporter, told_errors
+from .helping import command_of, epilog
 from .results import result_lines, verdict_text, verification_lines
+from .settings import board_spec, calibration_options, cell_config
 from .tables import (
+    ROTATION_NOTE,
     calibration_table,
     cameras_table,
     dataset_table,
     demo_table,
     hand_eye_table,
+    inside_text,
     limits_table,
     scores_table,
     verification_table,
 )
-
-if TYPE_CHECKING:
-    from ..simulation import CellConfig
 
 app = typer.Typer(
     name="cv-active-handeye",
@@ -49,6 +47,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+command = command_of(app)
 
 
 class _Settings:
@@ -61,7 +60,7 @@ def _print_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback(epilog=STATUS_HELP)
+@app.callback(epilog=epilog())
 def main(
     debug: Annotated[bool, typer.Option("--debug", help="Show the trace-back of an error.")] = False,
     version: Annotated[
@@ -75,7 +74,7 @@ def main(
     _Settings.debug = debug
 
 
-@app.command(epilog="Example: cv-active-handeye demo --seed 3 --output out/demo\n\n" + STATUS_HELP)
+@command("demo", "demo --seed 3 --output out/demo")
 def demo(
     output: arguments.Output = Path("out/demo"), seed: arguments.Seed = 0, robot: arguments.Robot = "denso_vp6242"
 ) -> None:
@@ -86,19 +85,20 @@ def demo(
     with terminal_reporter() as reporter, told_errors(_Settings.debug, reporter):
         from ..workflow.demo import demo as run_demo
 
-        result = run_demo(output, _cell_config(seed=seed, robot=robot), reporter)
+        result = run_demo(output, cell_config(seed=seed, robot=robot), reporter)
     out.print(demo_table(result))
+    _print_lines(inside_text(result), ROTATION_NOTE)
     out.print(limits_table(result))
     _print_lines(verdict_text(result.calibration), *result_lines(result.calibration))
-    names = "dataset/, truth.yaml, calibration.yaml, report.html, pictures/"
-    _print_lines(f"Written to {output}: {names}")
+    _print_lines(f"Written to {output}: dataset/, truth.yaml, calibration.yaml, pictures/")
+    _print_lines(f"Report: {result.report}")
     beyond = result.beyond_limits()
     if beyond:
         err.print(f"[bold red]error:[/] beyond the limits: {', '.join(beyond)}")
         raise typer.Exit(int(Exit.BEYOND_LIMITS))
 
 
-@app.command(epilog="Example: cv-active-handeye simulate out/cell\n\n" + STATUS_HELP)
+@command("simulate out/cell", "simulate out/check --motion check", "simulate out/bumped --motion check --bump-mm 0.5")
 def simulate(
     dataset: arguments.NewDataset,
     truth: arguments.Truth = None,
@@ -114,15 +114,21 @@ def simulate(
     or --bump-deg its camera has been pushed since.
     """
     truth_file = truth or dataset.with_name(f"{dataset.name}-truth.yaml")
+    if dataset.resolve() in truth_file.resolve().parents:
+        raise typer.BadParameter(f"needs a place outside of {dataset}, given {truth_file}", param_hint="--truth")
     config = {"seed": seed, "robot": robot, "motion": motion.value, "bump_mm": bump_mm, "bump_deg": bump_deg}
     with terminal_reporter() as reporter, told_errors(_Settings.debug, reporter):
         from ..workflow.simulate import simulate as run_simulation
 
-        recorded, _ = run_simulation(dataset, truth_file, _cell_config(**config), reporter)
+        recorded, _ = run_simulation(dataset, truth_file, cell_config(**config), reporter)
     _print_lines(f"{len(recorded)} views in {dataset}, the truth in {truth_file}")
 
 
-@app.command(epilog="Example: cv-active-handeye calibrate out/demo/dataset -o calibration.yaml\n\n" + STATUS_HELP)
+@command(
+    "calibrate out/cell -o out/calibration.yaml",
+    "calibrate out/cell --lens k1-k2 --no-laser",
+    "calibrate out/cell --camera camera.yaml --robot-mm 0.02 --robot-deg 0.005",
+)
 def calibrate(
     dataset: arguments.Dataset,
     output: arguments.Result = Path("calibration.yaml"),
@@ -159,25 +165,27 @@ def calibrate(
         "use_laser": None if laser else False,
         "track_images": track or None,
     }
-    spec = _board(board) if board is not None else None
+    spec = board_spec(board) if board is not None else None
     page = None if no_report else report or output.with_name("report.html")
     with terminal_reporter() as reporter, told_errors(_Settings.debug, reporter):
-        options = _options(config, camera, distortion, given)
+        options = calibration_options(config, camera, distortion, given)
         recording = Dataset.open(dataset)
         result, evidence = calibrate_with_evidence(recording, options, reporter)
+        output.parent.mkdir(parents=True, exist_ok=True)
         result.save(output)
         if pictures is not None:
             draw_pictures(pictures, recording, result, evidence)
         if page is not None:
             report_calibration(page, recording, result, evidence, reporter, spec)
     _print_calibration(result, str(output))
-    _print_lines(f"Written to {output}" + (f", report: {page}" if page else ""))
+    _print_lines(f"Written to {output}", *([f"Report: {page}"] if page is not None else []))
     if result.verdict is not None and not result.verdict.usable:
         raise typer.Exit(int(Exit.BEYOND_LIMITS))
 
 
-@app.command(
-    epilog="Example: cv-active-handeye verify out/check --calibration out/demo/calibration.yaml\n\n" + STATUS_HELP
+@command(
+    "verify out/check --calibration out/calibration.yaml",
+    "verify out/check --calibration out/calibration.yaml --picture errors.png",
 )
 def verify(
     dataset: arguments.Dataset,
@@ -202,7 +210,10 @@ def verify(
         raise typer.Exit(int(Exit.BEYOND_LIMITS))
 
 
-@app.command(epilog="Example: cv-active-handeye compare out/tabb --board chessboard:8x6:28.5\n\n" + STATUS_HELP)
+@command(
+    "compare out/tabb --board chessboard:8x6:28.5",
+    "compare out/tabb --board points --calibration out/calibration.yaml",
+)
 def compare(
     dataset: arguments.Dataset,
     board: arguments.Board,
@@ -218,10 +229,10 @@ def compare(
     same after a turn may be read turned in some views: prefer ChArUco, or a chessboard with an odd number of rows.
     Where the recording has no pure translations, ours starts from OpenCV's best result.
     """
-    spec = _board(board)
+    spec = board_spec(board)
     with terminal_reporter() as reporter, told_errors(_Settings.debug, reporter):
         recording = Dataset.open(dataset)
-        options = _options(None, camera, distortion, {"track_images": True if track else None})
+        options = calibration_options(None, camera, distortion, {"track_images": True if track else None})
         given = Calibration.load(calibration) if calibration is not None else None
         comparison = run_comparison(recording, spec, options, reporter, given)
     out.print(cameras_table(comparison))
@@ -232,7 +243,7 @@ def compare(
         raise typer.Exit(int(Exit.INSUFFICIENT_DATA))
 
 
-@app.command(epilog="Example: cv-active-handeye show calibration.yaml\n\n" + STATUS_HELP)
+@command("show out/calibration.yaml", "show out/cell")
 def show(file: arguments.ShownFile) -> None:
     """Prints a result or a data set, and what a data set lacks."""
     with told_errors(_Settings.debug):
@@ -256,38 +267,9 @@ def _print_lines(*lines: str) -> None:
 def _print_calibration(calibration: Calibration, title: str) -> None:
     unusable = calibration.verdict is not None and not calibration.verdict.usable
     out.print(calibration_table(calibration, title))
+    _print_lines(ROTATION_NOTE)
     out.print(escape(verdict_text(calibration)), style="bold red" if unusable else "bold")
     _print_lines(*result_lines(calibration))
-
-
-def _cell_config(**settings: object) -> CellConfig:
-    from ..simulation import CellConfig
-
-    try:
-        return CellConfig.model_validate(settings)
-    except ValidationError as error:
-        hints = [f"--{str(item['loc'][0]).replace('_', '-')}" for item in error.errors()]
-        raise typer.BadParameter(str(error), param_hint=hints) from error
-
-
-def _board(text: str) -> BoardSpec:
-    try:
-        return BoardSpec.parse(text)
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="--board") from error
-
-
-def _options(
-    config: Path | None, camera: Path | None, distortion: Path | None, given: dict[str, Any]
-) -> CalibrationOptions:
-    """Settings from the file, then what the command line says on top."""
-    keys = read_yaml(config, "settings") if config is not None else {}
-    keys |= {key: value for key, value in given.items() if value is not None}
-    if camera is not None:
-        keys["camera_matrix"], keys["distortion_coefficients"] = read_camera(camera)
-    elif distortion is not None:
-        keys["distortion_coefficients"] = read_camera(distortion)[1]
-    return validate(CalibrationOptions, keys, config or Path("command line"))
 
 
 def _print_problems(comparison: Comparison) -> None:

@@ -43,7 +43,6 @@ def calibration_table(calibration: Calibration, title: str = "calibration") -> T
     table = _table(f"{title}: NOT USABLE" if unusable else title, "quantity", "estimate", "95 % interval", "unit")
     for row in parameter_rows(calibration):
         table.add_row(row.label, f"{row.value:.{row.digits}f}", row.interval, row.unit)
-    table.caption, table.caption_justify = ROTATION_NOTE, "left"
     return table
 
 
@@ -60,9 +59,13 @@ def demo_table(result: DemoResult) -> Table:
         numbers = [f"{row.value:.{row.digits}f}", f"{shown:.{row.digits}f}", f"{error:+.{row.digits}f}"]
         holds = {True: "yes", False: "no"}.get(inside.get(row.name), "-")  # type: ignore[arg-type]
         table.add_row(row.label, *numbers, two_digits(row.half), holds, row.unit)
-    held = f"{sum(inside.values())} of {len(inside)} intervals hold the truth; 95 % are meant to."
-    table.caption, table.caption_justify = f"{held} {ROTATION_NOTE}", "left"
     return table
+
+
+def inside_text(result: DemoResult) -> str:
+    """How many of the intervals hold the truth."""
+    inside = result.inside()
+    return f"{sum(inside.values())} of {len(inside)} intervals hold the truth; 95 % are meant to."
 
 
 def limits_table(result: DemoResult) -> Table:

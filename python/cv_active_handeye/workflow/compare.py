@@ -20,6 +20,7 @@ from ..calibration import Calibration
 from ..config import CalibrationOptions
 from ..dataset import Dataset
 from ..files import FloatArray
+from ..report.errors import rotation_angle_deg
 from .boards import BoardSpec, find_board
 from .calibrate import calibrate_with_evidence
 from .evidence import ImagePoints, find_points
@@ -219,7 +220,7 @@ def score_hand_eye(
     positions = np.array([B[:3, :3] @ centre + B[:3, 3] for B in board2base])
     U, _, Vt = np.linalg.svd(sum(B[:3, :3] for B in board2base))
     mean = U @ np.diag([1, 1, np.linalg.det(U @ Vt)]) @ Vt
-    angles = [np.linalg.norm(cv2.Rodrigues(mean.T @ B[:3, :3])[0]) for B in board2base]
+    angles = [rotation_angle_deg(mean.T @ B[:3, :3]) for B in board2base]
     scene = (objects - centre) @ mean.T + positions.mean(axis=0)
     residuals = [_residuals(points[i], scene, K, D, G @ X) for i, G in zip(views, gripper, strict=True)]
     return MethodResult(
@@ -227,7 +228,7 @@ def score_hand_eye(
         X[:3, :3],
         X[:3, 3],
         float(1000 * np.sqrt(((positions - positions.mean(axis=0)) ** 2).sum(axis=1).mean())),
-        float(np.degrees(np.sqrt(np.mean(np.square(angles))))),
+        float(np.sqrt(np.mean(np.square(angles)))),
         float(np.sqrt(np.mean(np.concatenate(residuals) ** 2))),
     )
 

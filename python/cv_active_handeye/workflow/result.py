@@ -126,9 +126,7 @@ def _chi_square(summary: cah.RefineSummary, options: CalibrationOptions) -> ChiS
     """Only of noise levels that the user gave: the tracker's standard deviations are relative ones."""
     if not options.robot_translation_mm and not options.robot_rotation_deg:
         return None
-    return ChiSquare(
-        value=summary.chiSquare, degrees_of_freedom=summary.chiSquareDof, p_value=summary.chiSquarePValue
-    )
+    return ChiSquare(value=summary.chiSquare, degrees_of_freedom=summary.chiSquareDof, p_value=summary.chiSquarePValue)
 
 
 def _root_mean_square(residuals: Any) -> float | None:

@@ -40,9 +40,9 @@ struct CV_EXPORTS_W_SIMPLE VerifySummary
     CV_PROP_RW double driftChiSquare, driftDof, driftPValue;
     //! Test of the residuals that are left when the parameters may shift: large when noise levels or poses are not as stated.
     CV_PROP_RW double fitChiSquare, fitDof, fitPValue;
-    CV_PROP_RW Mat shift; //!< `(20x1)` most likely shift of the parameters (order of RefineSummary::parameterNames)
     CV_PROP_RW Mat
-        shiftDeviations; //!< `(20x1)` standard deviations of the shift when nothing has changed; 0 = not tested
+        shift; //!< `(20x1)` shift of the parameters that the new views suggest (order of RefineSummary::parameterNames)
+    CV_PROP_RW Mat shiftDeviations; //!< `(20x1)` standard deviations of the shift; 0 = not tested
 
     //! `(Vx4)` every view predicted from the others: RMS error of its image points [px], RMS expected [px], the same two on the scene
     //! [unit of t_gripper2base]. Expected: image noise, robot, calibration. NaN where no point is seen in another view.
