@@ -120,9 +120,9 @@ def measure(root: Path, names: Sequence[str]) -> Report:
                 tables.append(laser_table(name, dataset, comparison.camera))
     setup = (
         "OpenCV: calibrateCamera and calibrateHandEye on the corners of the board. ours: the refinement on the same "
-        "corners without knowing the board, K unknown, lens model chosen by its test; board's camera: with K and "
-        "distortion from calibrateCamera; tracks: on tracked points of the whole images instead of corners; started "
-        "from: recordings without pure translations have no closed form, so ours begins at OpenCV's best result."
+        "corners without knowing the board, K unknown, lens model chosen by its test; on the board: knowing where the "
+        "corners are on it; tracks: on tracked points of the whole images instead of corners; with a start: "
+        "where the closed forms give none, the refinement begins at the camera of the board and the best of OpenCV."
     )
     return Report("Recorded data of real robots", setup, tables)
 

@@ -78,9 +78,10 @@ def compare(
 ) -> Comparison:
     """Calibrates with OpenCV on `board`, target-free with ours, and scores all alike.
 
-    Ours runs twice on the same points: with the camera unknown (or as `options` say), and with the board's camera
-    known. Without pure translations it starts from OpenCV's best result, and the row says so. A given `calibration` is
-    scored instead. Where ours cannot answer, the row holds the reason.
+    Ours runs twice with the camera unknown (or as `options` say): target-free, and on the corners of the board with their
+    known places. Where it finds no start by itself (no pure translations), it starts from the camera of the board and
+    OpenCV's best result, and the row says so; also where it calls its own result not usable. A given `calibration` is scored
+    instead. Where ours cannot answer, the row holds the reason.
     """
     options, reporter = options or CalibrationOptions(), reporter or Silent()
     points, objects = find_board(dataset, board, reporter.step(f"finding the board in {len(dataset)} views"))
@@ -91,43 +92,47 @@ def compare(
     if calibration is not None:
         ours: dict[str, Calibration | str] = {"given calibration": calibration}
     else:
-        ours = _ours(dataset, camera, _best(rows), options, reporter)
+        corners = ImagePoints(points, object_points=objects)
+        ours = _ours(dataset, corners, _best(rows, camera), options, reporter)
     for name, result in ours.items():
         if isinstance(result, str):
             rows.append(MethodResult(name, problem=result))
             continue
         K, D = result.camera_matrix, result.distortion_coefficients
         X = _transform(result.R_cam2gripper, result.t_cam2gripper)
-        score = score_hand_eye(name, dataset, points, objects, camera.views, K, D, X)
+        not_usable = "" if result.verdict is None or result.verdict.usable else ", not usable"
+        score = score_hand_eye(name + not_usable, dataset, points, objects, camera.views, K, D, X)
         rows.append(replace(score, camera=(K, D)))
     return Comparison(camera, rows)
 
 
-def _best(rows: list[MethodResult]) -> MethodResult | None:
-    """The row whose board points miss their places least."""
+def _best(rows: list[MethodResult], camera: BoardCamera) -> Start | None:
+    """The camera of the board, and the method whose board points miss their places least."""
     scored = [row for row in rows if row.reprojection_px is not None]
-    return min(scored, key=lambda row: row.reprojection_px or 0.0, default=None)
+    best = min(scored, key=lambda row: row.reprojection_px or 0.0, default=None)
+    return None if best is None else Start(camera.camera_matrix, best.R_cam2gripper, best.t_cam2gripper)
 
 
 def _ours(
-    dataset: Dataset, camera: BoardCamera, best: MethodResult | None, options: CalibrationOptions, reporter: Reporter
+    dataset: Dataset,
+    corners: ImagePoints,
+    start: Start | None,
+    options: CalibrationOptions,
+    reporter: Reporter,
 ) -> dict[str, Calibration | str]:
-    """Where the closed forms refuse (no pure translations), the refinement begins at the best result on the board."""
-    alone = options.model_copy(update={"use_laser": False})
-    known: dict[str, Any] = {"camera_matrix": camera.camera_matrix, "distortion_coefficients": camera.distortion}
-    known |= {"lens_model": "auto", "square_pixels": False}
-    variants = {"ours": alone, "ours, board's camera": alone.model_copy(update=known)}
-    try:
-        points = find_points(dataset, options, reporter)
-    except InsufficientDataError as error:
-        return dict.fromkeys(variants, str(error))
+    """Where the closed forms refuse (no pure translations), the refinement begins at `start`."""
+    options = options.model_copy(update={"use_laser": False})
     found: dict[str, Calibration | str] = {}
-    for name, chosen in variants.items():
-        result = _calibration_or_reason(dataset, chosen, points)
-        if isinstance(result, str) and best is not None:
-            start = Start(camera.camera_matrix, best.R_cam2gripper, best.t_cam2gripper)
-            again = _calibration_or_reason(dataset, chosen, points, start)
-            name, result = (name, result) if isinstance(again, str) else (f"{name}, started from {best.name}", again)
+    for name, own in (("ours", None), ("ours, on the board", corners)):
+        try:
+            points = own or find_points(dataset, options, reporter)
+        except InsufficientDataError as error:
+            found[name] = str(error)
+            continue
+        result = _calibration_or_reason(dataset, options, points)
+        if isinstance(result, str) and start is not None:
+            again = _calibration_or_reason(dataset, options, points, start)
+            name, result = (name, result) if isinstance(again, str) else (f"{name}, with a start", again)
         found[name] = result
     return found
 

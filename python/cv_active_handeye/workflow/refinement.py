@@ -57,6 +57,7 @@ def refine(
         stripePoints=[segment.points for segment in segments] or None,
         stripeViews=[segment.view for segment in segments] or None,
         surfaceIds=[segment.surface for segment in segments] or None,
+        objectPoints=points.object_points,
         pointSigmas=points.relative_sigmas,
         params=_params(options),
     )
