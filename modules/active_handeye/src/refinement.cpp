@@ -57,7 +57,7 @@ int lensCoefficients(int lensModel)
 }
 
 //! The directions in which the calibration may move.
-void HandEyeRefinement::setUnknowns()
+void HandEyeRefinement::setUnknowns(bool isAspectFree)
 {
     typedef Eigen::Matrix<double, CALIBRATION_COLUMNS, 1> Column;
     AlignedVector<Column> columns;
@@ -65,7 +65,7 @@ void HandEyeRefinement::setUnknowns()
     if (!(params_.flags & REFINE_FIX_K))
     {
         const Eigen::Matrix3d& K = start_.camera.K;
-        if (params_.flags & REFINE_FIX_ASPECT)
+        if (params_.flags & REFINE_FIX_ASPECT && !isAspectFree)
             columns.push_back(Column::Unit(COLUMN_FX) + K(1, 1) / K(0, 0) * Column::Unit(COLUMN_FY));
         else
             free(COLUMN_FX), free(COLUMN_FY);
@@ -141,6 +141,7 @@ void HandEyeRefinement::fitPoints()
     }
     fit(1e-12);
     testLens();
+    testAspect();
 }
 
 double HandEyeRefinement::workingDistance() const

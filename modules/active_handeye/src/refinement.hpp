@@ -62,7 +62,7 @@ public:
 
 private:
     void requireTracks() const;
-    void setUnknowns();
+    void setUnknowns(bool isAspectFree = false);
     void fit(double tolerance);
     bool leaveOut(double limit);
     void leaveOutUnseenViews(const std::vector<double>& errors, double limit);
@@ -76,6 +76,7 @@ private:
     Eigen::Matrix<double, 6, 6> priorCovariance() const;
     Eigen::Matrix<double, 6, 6> poseCovariance(int view) const;
     void testLens();
+    void testAspect();
     int lensOfTests() const;
     bool chooseLens();
     void addSegments();
@@ -105,6 +106,7 @@ private:
     std::unique_ptr<VarianceComponents> components_;
     int lensModel_;
     LensTest lensTests_[LENS_MODELS];
+    double aspectPValue_ = 1;
     bool useStripes_ = false, converged_ = false;
     int iterations_ = 0;
     std::vector<std::string> culprits_, weakDirections_;

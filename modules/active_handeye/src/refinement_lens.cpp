@@ -43,6 +43,26 @@ void HandEyeRefinement::testLens()
     problem_.restrictData();
 }
 
+//! Wald test of fy / fx from one step of a fit that frees it.
+void HandEyeRefinement::testAspect()
+{
+    if (!(params_.flags & REFINE_FIX_ASPECT) || params_.flags & REFINE_FIX_K)
+        return;
+    const bool allFixed[] = {true, true, true, true};
+    const double noFloors[] = {0, 0, 0, 0};
+    setUnknowns(true);
+    problem_.restrictData();
+    const VarianceComponents full(problem_, allFixed, noFloors);
+    const MatrixXd& B = problem_.unknowns.calibration;
+    const Eigen::Matrix3d& K = problem_.state.calibration.camera.K;
+    const VectorXd J = (B.row(COLUMN_FY) / K(1, 1) - B.row(COLUMN_FX) / K(0, 0)).transpose();
+    const double change = J.dot(full.step().head(B.cols()));
+    const double variance = J.dot(full.covariance().topLeftCorner(B.cols(), B.cols()) * J);
+    aspectPValue_ = chiSquareTail(change * change / variance, 1);
+    setUnknowns();
+    problem_.restrictData();
+}
+
 //! The smallest model that the data do not contradict.
 int HandEyeRefinement::lensOfTests() const
 {

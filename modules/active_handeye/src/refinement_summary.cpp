@@ -199,10 +199,14 @@ void HandEyeRefinement::summarizeVerdict(RefineSummary& summary) const
     const LensTest& lens = lensTests_[lensModel_];
     const bool lensFits = lens.pValue > 1e-4;
     const bool noiseFits = !(summary.chiSquarePValue < 1e-4);
-    summary.usable = lensFits && noiseFits;
+    const bool aspectFits = aspectPValue_ > 1e-4;
+    summary.usable = lensFits && noiseFits && aspectFits;
     if (!lensFits)
         summary.message = cv::format("not usable: the lens has distortion that lensModel = %d lacks (p = %.2g)",
                                      lensModel_, lens.pValue);
+    else if (!aspectFits)
+        summary.message = cv::format("not usable: fy / fx is not %.6g as REFINE_FIX_ASPECT says (p = %.2g)",
+                                     calibration().camera.K(1, 1) / calibration().camera.K(0, 0), aspectPValue_);
     else if (!noiseFits)
         summary.message =
             cv::format("not usable: residuals and pose corrections are larger than the noise levels given "

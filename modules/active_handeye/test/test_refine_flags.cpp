@@ -68,6 +68,21 @@ TEST(ActiveHandEye_RefineFlags, what_is_fixed_keeps_its_bits)
     EXPECT_GT(started(scene, 0).K.at<double>(0, 0), 0);
 }
 
+TEST(ActiveHandEye_RefineFlags, pixels_that_are_not_square_as_they_should_be_are_not_usable)
+{
+    const RefineScene scene = RefineScene::noisy(4);
+    for (const double wrong : {0.0, 2e-3})
+    {
+        Refinement call = started(scene, REFINE_FIX_ASPECT);
+        call.K.at<double>(1, 1) *= 1 + wrong;
+        call.run();
+        EXPECT_EQ(wrong == 0, call.summary.usable) << call.summary.message;
+        EXPECT_NEAR(scene.K(1, 1) / scene.K(0, 0) * (1 + wrong), call.K.at<double>(1, 1) / call.K.at<double>(0, 0),
+                    1e-12);
+        EXPECT_EQ(wrong > 0, call.summary.message.find("REFINE_FIX_ASPECT") != string::npos);
+    }
+}
+
 TEST(ActiveHandEye_RefineFlags, fixing_what_is_true_makes_the_rest_better)
 {
     const RefineScene scene = RefineScene::noisy(4);
