@@ -78,10 +78,10 @@ def compare(
 ) -> Comparison:
     """Calibrates with OpenCV on `board`, target-free with ours, and scores all alike.
 
-    Ours runs twice with the camera unknown (or as `options` say): target-free, and on the corners of the board with their
-    known places. Where it finds no start by itself (no pure translations), it starts from the camera of the board and
-    OpenCV's best result, and the row says so; also where it calls its own result not usable. A given `calibration` is scored
-    instead. Where ours cannot answer, the row holds the reason.
+    Ours runs twice with the camera unknown (or as `options` say): target-free, and on the corners of the board with
+    their known places. Where it finds no start by itself (no pure translations), it starts from the camera of the board
+    and OpenCV's best result, and the row says so; also where it calls its own result not usable. A given `calibration`
+    is scored instead. Where ours cannot answer, the row holds the reason.
     """
     options, reporter = options or CalibrationOptions(), reporter or Silent()
     points, objects = find_board(dataset, board, reporter.step(f"finding the board in {len(dataset)} views"))

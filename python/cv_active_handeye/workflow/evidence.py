@@ -32,7 +32,7 @@ class StripeSegment:
 
 class ImagePoints(NamedTuple):
     """`points` (V, N, 2) px, NaN = not seen; `sigmas` (V, N): the standard deviations per axis that the tracker states,
-    None for points that came with the data set; `object_points` (N, 3): where they are on a board, m, None without one."""
+    None for points that came with the data set; `object_points` (N, 3): where they are on a board, m, None without."""
 
     points: FloatArray
     sigmas: FloatArray | None = None
