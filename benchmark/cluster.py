@@ -21,6 +21,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from .report import Report, finish, parser
+
 T = TypeVar("T")
 CHUNKS_PER_WORKER = 20
 
@@ -116,6 +118,27 @@ def start(options: argparse.Namespace) -> Iterator[Workers]:
     ):
         client.run(_one_thread)
         yield Workers(client, options.workers)
+
+
+def main(
+    description: str | None,
+    measure: Callable[[Workers, argparse.Namespace], Report],
+    trials: int,
+    what: str,
+    arguments: Sequence[str] | None,
+    has_names: bool = False,
+) -> int:
+    """Command line of a benchmark of so many `trials` on workers; with `has_names` it also has --only."""
+    line = parser(description or "")
+    line.add_argument("--trials", type=int, default=trials, help=f"{what} (default {trials})")
+    line.add_argument("--seed", type=int, default=1, help="trial i uses the random numbers of (seed, i)")
+    if has_names:
+        line.add_argument("--only", metavar="TEXT", help="only those whose names contain this")
+    add_options(line)
+    options = line.parse_args(arguments)
+    with start(options) as workers:
+        report = measure(workers, options)
+    return finish(report, options.output)
 
 
 def _one_thread() -> None:

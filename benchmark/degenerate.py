@@ -22,7 +22,7 @@ import cv_active_handeye as cah
 from . import cluster
 from .degenerate_sets import KINDS, Kind, degenerate_set
 from .refine_trials import Estimate, calibrate, covered, settings
-from .report import Cell, Measure, Report, Table, finish, parser
+from .report import Cell, Measure, Report, Table
 from .rough import NO_START, rough_start
 from .scene import Array
 from .world import DISTORTION, NAMES, World
@@ -151,16 +151,7 @@ def measure(workers: cluster.Workers, trials: int = 2200, seed: int = 1) -> Repo
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
-    line = parser(__doc__ or "")
-    line.add_argument("--trials", type=int, default=2200, help="sets in all (default 2200)")
-    line.add_argument(
-        "--seed", type=int, default=1, help="set i of kind k uses the random numbers of (seed + 1000 k, i)"
-    )
-    cluster.add_options(line)
-    options = line.parse_args(arguments)
-    with cluster.start(options) as workers:
-        report = measure(workers, options.trials, options.seed)
-    return finish(report, options.output)
+    return cluster.main(__doc__, lambda workers, o: measure(workers, o.trials, o.seed), 2200, "sets in all", arguments)
 
 
 if __name__ == "__main__":

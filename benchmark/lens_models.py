@@ -20,7 +20,7 @@ import cv_active_handeye as cah
 from . import cluster
 from .fisher import linear_solution
 from .refine_trials import PINHOLE, Case, Outcome, Outcomes, judge, settings
-from .report import Cell, Measure, Report, Table, finish, parser
+from .report import Cell, Measure, Report, Table
 from .scene import Array
 from .stops import STOPS_12, STOPS_24
 from .world import DISTORTED, NAMES, ROTATION, TRANSLATION
@@ -119,14 +119,10 @@ def measure(workers: cluster.Workers, trials: int = 500, seed: int = 1) -> Repor
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
-    line = parser(__doc__ or "")
-    line.add_argument("--trials", type=int, default=500, help="trials per lens and number of stops (default 500)")
-    line.add_argument("--seed", type=int, default=1, help="trial i uses the random numbers of (seed, i)")
-    cluster.add_options(line)
-    options = line.parse_args(arguments)
-    with cluster.start(options) as workers:
-        report = measure(workers, options.trials, options.seed)
-    return finish(report, options.output)
+    return cluster.main(
+        __doc__, lambda workers, o: measure(workers, o.trials, o.seed),
+        500, "trials per lens and number of stops", arguments,
+    )
 
 
 if __name__ == "__main__":

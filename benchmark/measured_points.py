@@ -21,7 +21,7 @@ import cv_active_handeye as cah
 
 from . import cluster
 from .refine_trials import Case, Estimate, calibrate, settings
-from .report import Cell, Measure, Report, Table, finish, parser
+from .report import Cell, Measure, Report, Table
 from .scene import Array
 from .stops import STOPS_12
 from .world import Noise, World, pixels
@@ -119,14 +119,9 @@ def measure(workers: cluster.Workers, trials: int = 1000, seed: int = 1) -> Repo
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
-    line = parser(__doc__ or "")
-    line.add_argument("--trials", type=int, default=1000, help="trials per case (default 1000)")
-    line.add_argument("--seed", type=int, default=1, help="trial i uses the random numbers of (seed, i)")
-    cluster.add_options(line)
-    options = line.parse_args(arguments)
-    with cluster.start(options) as workers:
-        report = measure(workers, options.trials, options.seed)
-    return finish(report, options.output)
+    return cluster.main(
+        __doc__, lambda workers, o: measure(workers, o.trials, o.seed), 1000, "trials per case", arguments
+    )
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ import cv_active_handeye as cah
 from . import boards, cluster
 from .fisher import bound
 from .refine_trials import PINHOLE, calibrate, settings
-from .report import Cell, Measure, Report, Table, finish, parser
+from .report import Cell, Measure, Report, Table
 from .rough import NO_START, Start, rough_start
 from .scene import Array
 from .stops import STOPS_12, STOPS_24, active_stops
@@ -135,14 +135,10 @@ def measure(workers: cluster.Workers, trials: int = 400, seed: int = 1) -> Repor
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
-    line = parser(__doc__ or "")
-    line.add_argument("--trials", type=int, default=400, help="trials per motion and number of stops (default 400)")
-    line.add_argument("--seed", type=int, default=1, help="trial i uses the random numbers of (seed, i)")
-    cluster.add_options(line)
-    options = line.parse_args(arguments)
-    with cluster.start(options) as workers:
-        report = measure(workers, options.trials, options.seed)
-    return finish(report, options.output)
+    return cluster.main(
+        __doc__, lambda workers, o: measure(workers, o.trials, o.seed),
+        400, "trials per motion and number of stops", arguments,
+    )
 
 
 if __name__ == "__main__":

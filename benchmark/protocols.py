@@ -29,7 +29,7 @@ from . import cluster
 from .boards import METHODS, hand_eye
 from .protocol_sets import BoardSet, koide_set, opencv_images, opencv_poses, visp_set
 from .refine_trials import settings
-from .report import Cell, Measure, Report, Table, finish, parser
+from .report import Cell, Measure, Report, Table
 from .scene import Array
 
 OURS = "ours, board"
@@ -184,14 +184,10 @@ def measure(workers: cluster.Workers, trials: int = 100, seed: int = 1) -> Repor
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
-    line = parser(__doc__ or "")
-    line.add_argument("--trials", type=int, default=100, help="trials per setting (default 100, as published)")
-    line.add_argument("--seed", type=int, default=1, help="trial i uses the random numbers of (seed, i)")
-    cluster.add_options(line)
-    options = line.parse_args(arguments)
-    with cluster.start(options) as workers:
-        report = measure(workers, options.trials, options.seed)
-    return finish(report, options.output)
+    return cluster.main(
+        __doc__, lambda workers, o: measure(workers, o.trials, o.seed),
+        100, "trials per setting, as published", arguments,
+    )
 
 
 if __name__ == "__main__":

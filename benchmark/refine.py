@@ -9,6 +9,7 @@ start itself. Every recording is calibrated twice: with the noise levels given, 
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections.abc import Sequence
 from functools import partial
@@ -17,7 +18,7 @@ import numpy as np
 
 from . import cluster
 from .refine_trials import Case, Outcomes, trial
-from .report import Cell, Measure, Report, Table, finish, parser
+from .report import Cell, Measure, Report, Table
 from .scene import Array
 from .stops import STOPS_12
 from .world import NAMES, Noise
@@ -150,16 +151,12 @@ def measure(workers: cluster.Workers, cases: Sequence[Case], trials: int = 2000,
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
-    line = parser(__doc__ or "")
-    line.add_argument("--trials", type=int, default=2000, help="trials per case (default 2000)")
-    line.add_argument("--seed", type=int, default=1, help="trial i uses the random numbers of (seed, i)")
-    line.add_argument("--only", metavar="TEXT", help="only the cases whose names contain this")
-    cluster.add_options(line)
-    options = line.parse_args(arguments)
-    cases = [case for case in CASES if (options.only or "") in case.name]
-    with cluster.start(options) as workers:
-        report = measure(workers, cases, options.trials, options.seed)
-    return finish(report, options.output)
+
+    def run(workers: cluster.Workers, options: argparse.Namespace) -> Report:
+        cases = [case for case in CASES if (options.only or "") in case.name]
+        return measure(workers, cases, options.trials, options.seed)
+
+    return cluster.main(__doc__, run, 2000, "trials per case", arguments, has_names=True)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ culprit counts as named when the summary leaves it out or lists it.
 
 from __future__ import annotations
 
+import argparse
 import re
 import sys
 from collections.abc import Callable, Sequence
@@ -22,7 +23,7 @@ import cv_active_handeye as cah
 
 from . import cluster
 from .refine_trials import Case, Estimate, calibrate, settings
-from .report import Cell, Measure, Report, Table, finish, parser
+from .report import Cell, Measure, Report, Table
 from .scene import HEIGHT, WIDTH, Array
 from .stops import STOPS_24
 from .world import ROTATION, TRANSLATION, Noise, Recording
@@ -202,16 +203,12 @@ def _rms(errors: Array) -> float:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line."""
-    line = parser(__doc__ or "")
-    line.add_argument("--trials", type=int, default=200, help="trials each (default 200)")
-    line.add_argument("--seed", type=int, default=1, help="trial i uses the random numbers of (seed, i)")
-    line.add_argument("--only", metavar="TEXT", help="only those whose names contain this")
-    cluster.add_options(line)
-    options = line.parse_args(arguments)
-    with cluster.start(options) as workers:
+
+    def run(workers: cluster.Workers, options: argparse.Namespace) -> Report:
         names = [name for name in SPOILERS if (options.only or "") in name]
-        report = measure(workers, names, options.trials, options.seed)
-    return finish(report, options.output)
+        return measure(workers, names, options.trials, options.seed)
+
+    return cluster.main(__doc__, run, 200, "trials each", arguments, has_names=True)
 
 
 if __name__ == "__main__":
