@@ -102,13 +102,13 @@ def validate(model: type[Model], content: Mapping[str, Any], path: Path) -> Mode
 
 
 def _explain(item: Any) -> str:
-    key = ".".join(str(part) for part in item["loc"]) or "file"
+    key = ".".join(str(part) for part in item["loc"])
     if item["type"] == "extra_forbidden":
         return f"key '{key}' is unknown"
     if item["type"] == "missing":
         return f"key '{key}' is missing"
     text = str(item["msg"]).removeprefix("Value error, ")
-    return f"key '{key}': {text}"
+    return f"key '{key}': {text}" if key else text
 
 
 def finite_array(value: Any, shape: tuple[int | None, ...]) -> FloatArray:

@@ -121,6 +121,15 @@ def test_same_question_has_the_same_answer_and_steps_are_told(tmp_path: Path, ca
     assert first.views == again.views
 
 
+def test_calibration_that_was_not_usable_is_noted(tmp_path: Path, calibration: Calibration) -> None:
+    assert calibration.verdict is not None
+    verdict = calibration.verdict.model_copy(update={"usable": False, "message": "not usable: for a test"})
+    reporter = Notes()
+    marked = calibration.model_copy(update={"verdict": verdict})
+    assert verify(noisy_dataset(tmp_path / "set", seed=7, views=VIEWS), marked, reporter=reporter).valid
+    assert reporter.notes == ["the calibration itself was not usable: for a test"]
+
+
 def test_calibration_of_version_1_is_refused(tmp_path: Path) -> None:
     with pytest.raises(FileFormatError, match=r"covariance and noise levels \(schema_version 2\), given version 1"):
         verify(noisy_dataset(tmp_path / "set", views=VIEWS), closed_form())

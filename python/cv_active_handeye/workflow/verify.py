@@ -62,6 +62,8 @@ def verify(
     options, reporter = options or CalibrationOptions(), reporter or Silent()
     dataset = open_recording(dataset, reporter)
     levels = _noise_levels(dataset, calibration)
+    if calibration.verdict is not None and not calibration.verdict.usable:
+        reporter.note(f"the calibration itself was {calibration.verdict.message}")
     if len(dataset) < MIN_VIEWS:
         raise InsufficientDataError(f"{dataset.folder}: needs {MIN_VIEWS} views, has {len(dataset)}")
     points = find_points(dataset, options, reporter)

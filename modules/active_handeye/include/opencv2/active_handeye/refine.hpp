@@ -18,16 +18,17 @@ namespace cv { namespace active_handeye {
 //! What #refineHandEye keeps as it was given
 enum RefineFlags
 {
-    REFINE_FIX_K = 1,            //!< cameraMatrix
-    REFINE_SKEW = 2,             //!< skew is estimated too; else it stays what it was (0 without a start)
-    REFINE_FIX_ASPECT = 4,       //!< fy / fx stays what it was (1 without a start)
-    REFINE_FIX_ROTATION = 8,     //!< R_cam2gripper
+    REFINE_FIX_K = 1,        //!< cameraMatrix
+    REFINE_SKEW = 2,         //!< skew is estimated too; else it stays what it was (0 without a start)
+    REFINE_FIX_ASPECT = 4,   //!< fy / fx stays what it was (1 without a start); not usable where the data contradict it
+    REFINE_FIX_ROTATION = 8, //!< R_cam2gripper
     REFINE_FIX_TRANSLATION = 16, //!< t_cam2gripper
     REFINE_FIX_LIGHT_PLANE = 32, //!< lightPlane
     REFINE_ALLOW_PARTIAL = 64    //!< robots that cannot turn about two axes: answer what is observable, mark the rest
 };
 
-//! Which distortion coefficients are estimated; the others stay what they were
+//! Which distortion coefficients are estimated; the others stay what they were. The tests ask whether distortion differs from
+//! the start: give a start of distCoeffs only where they are known.
 enum LensModel
 {
     LENS_AUTO =
