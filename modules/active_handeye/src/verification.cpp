@@ -4,7 +4,6 @@
 
 #include "precomp.hpp"
 #include "verification.hpp"
-#include "residuals.hpp"
 
 namespace cv { namespace active_handeye {
 
@@ -14,7 +13,6 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 static const double wildError = 6; // sigmas
-static const double NaN = std::numeric_limits<double>::quiet_NaN();
 
 static CalibrationState stateOf(const HandEyeCalibration& calibration, const AlignedVector<Pose>& gripper2base)
 {
@@ -27,7 +25,7 @@ static CalibrationState stateOf(const HandEyeCalibration& calibration, const Ali
 Verification::Verification(const AlignedVector<Pose>& gripper2base, const SceneTracks& tracks,
                            const HandEyeCalibration& calibration, const MatrixXd& covariance, const NoiseLevels& noise)
     : gripper2base_(gripper2base), tracks_(tracks), covariance_(covariance),
-      problem_(tracks_, noSegments_, gripper2base, stateOf(calibration, gripper2base), 2.5)
+      problem_(tracks_, noSegments_, gripper2base, stateOf(calibration, gripper2base), verificationHuberThreshold)
 {
     problem_.noise = noise;
     problem_.unknowns.calibration.resize(CALIBRATION_COLUMNS, 0);
@@ -43,6 +41,14 @@ MatrixXd Verification::testedColumns() const
         if (covariance_(i, i) > 0 && covariance_.row(i).allFinite())
             columns(i, count++) = std::sqrt(covariance_(i, i));
     return columns.leftCols(count);
+}
+
+//! Covariance of the calibration in units of testedColumns().
+MatrixXd Verification::testedCorrelation() const
+{
+    const MatrixXd B = testedColumns().topRows<POINT_COLUMNS>(), signs = B.cwiseSign();
+    const VectorXd inverseScale = VectorXd(B.colwise().sum()).cwiseInverse(); // one entry a column
+    return inverseScale.asDiagonal() * (signs.transpose() * covariance_ * signs) * inverseScale.asDiagonal();
 }
 
 void Verification::settle(RefineProblem& problem) const
@@ -152,11 +158,7 @@ void Verification::testDrift()
     fitDof = problem_.points().redundancy - driftDof;
     noiseFactor = fitDof > 0 ? std::max(1., fitChiSquare / fitDof) : 1;
 
-    const MatrixXd B = problem_.unknowns.calibration.topRows<POINT_COLUMNS>();
-    const VectorXd scale = B.colwise().sum(); // one entry a column: the standard deviations
-    const MatrixXd correlation = scale.cwiseInverse().asDiagonal() *
-                                 (B.cwiseSign().transpose() * covariance_ * B.cwiseSign()) *
-                                 scale.cwiseInverse().asDiagonal();
+    const MatrixXd B = problem_.unknowns.calibration.topRows<POINT_COLUMNS>(), correlation = testedCorrelation();
     const MatrixXd ofCalibration = root.asDiagonal() * (U.transpose() * correlation * U) * root.asDiagonal();
     const auto length = [&](double factor) // squared, when the calibration's covariance is larger by a factor
     {
@@ -184,96 +186,6 @@ void Verification::estimateShift(const MatrixXd& byScore, const MatrixXd& ofCali
     shift = -gain * inverse.solve(z);
     const VectorXd explained = (gain * inverse.solve(gain.transpose())).diagonal();
     shiftDeviation = (factor * tested.cwiseAbs2() - explained).cwiseMax(0).cwiseSqrt();
-}
-
-ViewPrediction Verification::predict(int view) const
-{
-    const ViewPrediction none = {NaN, NaN, NaN, NaN};
-    SceneTracks others = tracks_;
-    for (PointObservation& o : others.observations)
-        o.used = o.used && o.view != view;
-    StripeSegments noSegments;
-    RefineProblem problem(others, noSegments, gripper2base_, problem_.state, 2.5);
-    problem.noise = problem_.noise;
-    problem.unknowns = problem_.unknowns;
-    problem.unknowns.calibration.resize(CALIBRATION_COLUMNS, 0);
-    problem.state.gripper2base[view] = gripper2base_[view];
-    settle(problem);
-
-    // The calibration's error e moves the corrected poses by -P^-1 H_pc e: covariance of (calibration, poses).
-    problem.unknowns.calibration = testedColumns();
-    MatrixXd H;
-    VectorXd gradient;
-    problem.linearize(H, gradient);
-    const int f = int(problem.unknowns.calibration.cols()), n = int(H.rows()), poses = n - f;
-    const MatrixXd B = problem.unknowns.calibration.topRows<POINT_COLUMNS>(), signs = B.cwiseSign();
-    const VectorXd scale = B.colwise().sum();
-    MatrixXd T = MatrixXd::Identity(n, f), covariance = MatrixXd::Zero(n, n);
-    if (poses > 0)
-    {
-        const MatrixXd P = H.bottomRightCorner(poses, poses).ldlt().solve(MatrixXd::Identity(poses, poses));
-        T.bottomRows(poses) = -P * H.bottomLeftCorner(poses, f);
-        covariance.bottomRightCorner(poses, poses) = P;
-    }
-    covariance += T *
-                  (scale.cwiseInverse().asDiagonal() * (signs.transpose() * covariance_ * signs) *
-                   scale.cwiseInverse().asDiagonal()) *
-                  T.transpose();
-
-    const CameraViews cameras = problem.state.views();
-    const Camera& camera = problem.state.calibration.camera;
-    const auto derivative = [&](const PointResidual& residual, int seenIn, const Vector3d& X) // by the unknowns
-    {
-        MatrixXd J = MatrixXd::Zero(2, n);
-        J.leftCols(f) = residual.byCalibration * B;
-        const int column = problem.unknowns.poseColumn(seenIn);
-        if (column >= 0)
-        {
-            J.middleCols<3>(column) = residual.byPoint * skew(X - cameras[seenIn].gripper.t);
-            J.middleCols<3>(column + 3) = -residual.byPoint;
-        }
-        return J;
-    };
-    const bool isDoubted = isMostlyRejected(view);
-    double count = 0, errors = 0, expected = 0, lengths = 0, expectedLengths = 0;
-    const double variance = std::pow(problem.noise.point, 2);
-    for (int track = 0; track < others.count(); ++track)
-    {
-        const PointObservation* seen = 0;
-        Matrix3d A = Matrix3d::Zero();
-        MatrixXd byOthers = MatrixXd::Zero(3, n);
-        const Vector3d& X = problem.state.points[track];
-        for (int i = others.first[track]; i < others.first[track + 1]; ++i)
-        {
-            const PointObservation& o = tracks_.observations[i];
-            PointResidual residual;
-            if (o.view == view && (o.used || isDoubted))
-                seen = &o;
-            if (!others.observations[i].used || !residual.linearize(camera, cameras[o.view], X, o.pixel))
-                continue;
-            const double information = o.inverseSigma * o.inverseSigma / variance;
-            A += information * residual.byPoint.transpose() * residual.byPoint;
-            byOthers += information * residual.byPoint.transpose() * derivative(residual, o.view, X);
-        }
-        PointResidual residual;
-        if (!seen || !others.isUsed(track) || !residual.linearize(camera, cameras[view], X, seen->pixel))
-            continue;
-        const Matrix3d pointCovariance = A.inverse();
-        const MatrixXd J = derivative(residual, view, X) - residual.byPoint * pointCovariance * byOthers;
-        const double total = (J * covariance * J.transpose()).trace() +
-                             (residual.byPoint * pointCovariance * residual.byPoint.transpose()).trace() +
-                             2 * variance / (seen->inverseSigma * seen->inverseSigma);
-        const double pixel = cameras[view].toCamera(X).z() / camera.K(0, 0); // on the scene
-        count += 1;
-        errors += residual.error.squaredNorm();
-        expected += total;
-        lengths += residual.error.squaredNorm() * pixel * pixel;
-        expectedLengths += total * pixel * pixel;
-    }
-    if (count == 0)
-        return none;
-    return ViewPrediction{std::sqrt(errors / count), std::sqrt(expected / count), std::sqrt(lengths / count),
-                          std::sqrt(expectedLengths / count)};
 }
 
 }} // namespace cv::active_handeye

@@ -15,6 +15,8 @@ struct ViewPrediction
     double pixels, expectedPixels, length, expectedLength;
 };
 
+const double verificationHuberThreshold = 2.5; //!< sigmas
+
 //! The steps of verifyHandEye().
 class Verification
 {
@@ -44,6 +46,8 @@ private:
     void estimateShift(const Eigen::MatrixXd& byScore, const Eigen::MatrixXd& ofCalibration, const Eigen::VectorXd& z,
                        const Eigen::VectorXd& tested, double factor);
     Eigen::MatrixXd testedColumns() const;
+    Eigen::MatrixXd testedCorrelation() const;
+    Eigen::MatrixXd covarianceOf(RefineProblem& problem) const;
 
     const AlignedVector<Pose>& gripper2base_;
     SceneTracks tracks_;
