@@ -81,7 +81,10 @@ bench: setup
 sanitize: setup
 	@cmake --preset asan-ubsan >/dev/null
 	@cmake --build --preset asan-ubsan
-	build/asan-ubsan/bin/active_handeye_test --gtest_brief=1
+	@echo "Running the C++ tests in $(JOBS) processes"
+	@for part in $$(seq 0 $$(($(JOBS) - 1))); do \
+	  GTEST_TOTAL_SHARDS=$(JOBS) GTEST_SHARD_INDEX=$$part build/asan-ubsan/bin/active_handeye_test --gtest_brief=1 & parts="$$parts $$!"; \
+	done; for part in $$parts; do wait $$part || failed=1; done; test -z "$$failed"
 	build/asan-ubsan/bin/active_handeye_test_internal --gtest_brief=1
 
 clean:

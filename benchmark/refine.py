@@ -23,7 +23,7 @@ from .scene import Array
 from .stops import STOPS_12
 from .world import NAMES, Noise
 
-LIMIT, STATED, SLACK = 1.05, 95.0, 2.0
+LIMIT, STATED, SLACK, MAX_REFUSED = 1.05, 95.0, 2.0, 0.2
 QUANTITIES = {
     "fx [px]": ["fx"],
     "fy [px]": ["fy"],
@@ -115,7 +115,9 @@ def level_table(found: dict[Case, Outcomes]) -> Table:
 
 def case_measures(case: Case, given: Outcomes, estimated: Outcomes) -> list[Measure]:
     """Limits of one case: none refused, RMSE at the bound, intervals as stated."""
-    refused = len(given.problems) + len(estimated.problems) + given.unusable + estimated.unusable
+    refused = sum(len(found.problems) + found.unusable for found in (given, estimated))
+    trials = sum(len(found.problems) + len(found.errors) for found in (given, estimated))
+    share = 100 * refused / trials
     found = [Measure(f"{case.name}: refused or not usable", refused, 0)]
     for what, at in quantities(case).items():
         name = f"{case.name}: {what.rpartition(' [')[0] or what}, RMSE / bound"

@@ -43,11 +43,15 @@ HandEyeRefinement::HandEyeRefinement(const RefineMeasurements& measurements, con
 
 double HandEyeRefinement::misfit() const
 {
-    const double f = calibration().camera.K(0, 0);
+    return std::hypot(rms(), robotNoiseInImage());
+}
+
+double HandEyeRefinement::robotNoiseInImage() const
+{
     const bool isExact = params_.robotTranslationSigma == 0;
-    const double robot =
+    const double angle =
         isExact ? 0 : std::hypot(problem_.noise.rotation, problem_.noise.translation / workingDistance());
-    return std::hypot(rms(), f * robot);
+    return calibration().camera.K(0, 0) * angle;
 }
 
 int lensCoefficients(int lensModel)
@@ -108,7 +112,8 @@ void HandEyeRefinement::fit(double tolerance)
 {
     const bool isFixed[] = {isLevelGiven(0), isLevelGiven(1), isLevelGiven(2), isLevelGiven(3)};
     const int maxRounds = 12;
-    const double smallestPixelNoise = 1e-6; // less is rounding
+    const double rounding = 1e-6,
+                 negligible = 1e-4;    // px; of the robot's noise: sums of squares may not differ too much
     const double smallestShare = 1e-3; // of what image noise alone would explain: below it robot noise does not matter
     setUnknowns();
     for (int round = 0; round < maxRounds; ++round)
@@ -120,8 +125,8 @@ void HandEyeRefinement::fit(double tolerance)
         if (problem_.updateClipping())
             problem_.linearizeData(); // else as the solver left it
         const double angle = problem_.noise.point / problem_.state.calibration.camera.K(0, 0);
-        const double floors[] = {smallestPixelNoise, smallestPixelNoise, smallestShare * angle * workingDistance(),
-                                 smallestShare * angle};
+        const double smallest = std::max(rounding, negligible * robotNoiseInImage());
+        const double floors[] = {smallest, smallest, smallestShare * angle * workingDistance(), smallestShare * angle};
         components_.reset(new VarianceComponents(problem_, isFixed, floors));
         const double change = components_->estimate();
         problem_.noise = components_->levels();

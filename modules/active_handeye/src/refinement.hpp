@@ -84,6 +84,7 @@ private:
     bool leaveOutSegments();
     void compactSurfaces();
     double workingDistance() const;
+    double robotNoiseInImage() const; //!< px
     bool isLevelGiven(int component) const;
     bool observesTranslation() const;
 

@@ -11,7 +11,8 @@ namespace cv { namespace active_handeye {
 
 using Eigen::MatrixXd;
 
-static const double weakLimit = 0.005, refusedLimit = 0.02; // of what would mean that nothing is known
+// Of what would mean that nothing is known. Known points leave hardly more than a linear problem, whose intervals hold farther.
+static const double weakLimit = 0.005, refusedLimit = 0.02, refusedLimitWithKnownPoints = 0.2;
 
 //! Noise levels that the data cannot tell apart make a covariance of nothing.
 void HandEyeRefinement::requireRedundancy() const
@@ -23,7 +24,7 @@ void HandEyeRefinement::requireRedundancy() const
             cv::format("refineHandEye: no convergence after params.maxIterations = %d; needed poses that belong to "
                        "the images, or a better start",
                        params_.maxIterations));
-    const double largestInflation = 1e10;
+    const double largestInflation = 1e11;
     const double inflation = components_->varianceInflation(int(problem_.unknowns.calibration.cols()));
     if (inflation > largestInflation)
         CV_Error(
@@ -60,11 +61,11 @@ static bool isLens(const WeakDirection& weak)
     return weak.direction.segment<5>(COLUMN_DISTORTION).squaredNorm() > 0.5 * weak.direction.squaredNorm();
 }
 
-static std::string refusalOf(const std::vector<WeakDirection>& weak)
+static std::string refusalOf(const std::vector<WeakDirection>& weak, double limit)
 {
     std::string refused;
     for (const WeakDirection& direction : weak)
-        if (direction.deviation > refusedLimit && !isLens(direction))
+        if (direction.deviation > limit && !isLens(direction))
             refused += (refused.empty() ? "" : "; ") + direction.text;
     return refused;
 }
@@ -98,7 +99,7 @@ void HandEyeRefinement::requireAnswer()
     requireRedundancy();
     const double largestRatio = 1.5;
     const std::vector<WeakDirection>::const_iterator lens = std::find_if(weak.begin(), weak.end(), isLens);
-    std::string refused = refusalOf(weak);
+    std::string refused = refusalOf(weak, tracks_.anyKnown() ? refusedLimitWithKnownPoints : refusedLimit);
     if (refused.empty() && lens != weak.end() && deviationsHeldByLens() > largestRatio)
         refused = lens->text + ", or give distCoeffs or a smaller lensModel: other parameters hang on it";
     if (!refused.empty())
