@@ -114,7 +114,7 @@ def level_table(found: dict[Case, Outcomes]) -> Table:
 
 
 def case_measures(case: Case, given: Outcomes, estimated: Outcomes) -> list[Measure]:
-    """Limits of one case: hardly any refused (the lens test errs once in 10 000), RMSE at the bound, honest intervals."""
+    """Limits of one case: hardly any refused (the lens test errs once in 10 000), bound and coverage."""
     refused = sum(len(found.problems) + found.unusable for found in (given, estimated))
     trials = sum(len(found.problems) + len(found.errors) for found in (given, estimated))
     share = 100 * refused / trials
