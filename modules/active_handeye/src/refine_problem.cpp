@@ -95,8 +95,8 @@ PointStep RefineProblem::stepOfPoint(int track, const CameraViews& views, const 
 
 /** Follows the cameras with a scene point. Returns the cost of its track.
 
-First a plain step, since they may have moved far, and a robust one from there. Where Huber's loss clips, a robust step from X competes
-with them: a point that is at its robust optimum must be able to stay near it.
+First a plain step, since they may have moved far, and a robust one from there. Where Huber's loss clips, robust steps go on until they
+settle: a point that lags behind its optimum would make the cost of the cameras fall slowly for many iterations.
 */
 double RefineProblem::movePoint(int track, const CameraViews& views, const Camera& camera, Vector3d& X) const
 {
@@ -111,15 +111,17 @@ double RefineProblem::movePoint(int track, const CameraViews& views, const Camer
             X = candidate;
         }
     };
-    if (start.isClipped)
-    {
-        const PointStep robust = stepOfPoint(track, views, camera, X, true);
-        const PointStep second = stepOfPoint(track, views, camera, robust.next, true);
-        offer(robust.next, second.cost);
-        offer(second.next, trackCost(track, views, camera, second.next));
-    }
     offer(start.next, plain.cost);
     offer(plain.next, trackCost(track, views, camera, plain.next));
+    const int maxSteps = 10;
+    const double settled = 1e-10 * noise.point * noise.point;
+    double before = start.isClipped || plain.isClipped ? infinity : best;
+    for (int i = 0; i < maxSteps && before - best > settled; ++i)
+    {
+        before = best;
+        const PointStep robust = stepOfPoint(track, views, camera, X, true);
+        offer(robust.next, trackCost(track, views, camera, robust.next));
+    }
     return best;
 }
 
