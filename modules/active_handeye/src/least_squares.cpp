@@ -11,7 +11,6 @@ LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxItera
 {
     LeastSquaresSummary summary;
     summary.converged = false;
-    summary.lastDecrease = std::numeric_limits<double>::infinity();
     Eigen::VectorXd Jtr;
     summary.cost = problem.linearize(summary.JtJ, Jtr);
     double damping = 1e-6;
@@ -35,13 +34,11 @@ LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxItera
         const double negligible = std::max(tolerance * summary.cost, problem.negligibleDecrease());
         if (!(cost < summary.cost))
         {
-            summary.lastDecrease = predictedDecrease;
             summary.converged = predictedDecrease <= negligible || damping > maxDamping;
             damping *= 10;
             continue;
         }
-        summary.lastDecrease = summary.cost - cost;
-        summary.converged = summary.lastDecrease <= negligible;
+        summary.converged = summary.cost - cost <= negligible;
         problem.apply(step);
         summary.cost = problem.linearize(summary.JtJ, Jtr);
         damping = std::max(damping * 0.1, 1e-12);

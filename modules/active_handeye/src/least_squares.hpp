@@ -34,7 +34,6 @@ struct LeastSquaresSummary
     bool converged; //!< false: the iterations ran out
     int iterations;
     double cost;         //!< r^T r at the solution
-    double lastDecrease; //!< of r^T r, by the last step tried: predicted where it was refused
     Eigen::MatrixXd JtJ; //!< at the solution; its inverse times the variance of r is the covariance
 };
 

@@ -112,7 +112,6 @@ void HandEyeRefinement::fit(double tolerance)
 {
     const bool isFixed[] = {isLevelGiven(0), isLevelGiven(1), isLevelGiven(2), isLevelGiven(3)};
     const int maxRounds = 12;
-    const double smallDecrease = 1e-4; // a hundredth of a standard deviation
     const double rounding = 1e-6,
                  negligible = 1e-4;    // px; of the robot's noise: sums of squares may not differ too much
     const double smallestShare = 1e-3; // of what image noise alone would explain: below it robot noise does not matter
@@ -122,7 +121,7 @@ void HandEyeRefinement::fit(double tolerance)
         problem_.updateClipping();
         const LeastSquaresSummary solution = solveLeastSquares(problem_, params_.maxIterations, tolerance);
         iterations_ += solution.iterations;
-        converged_ = solution.converged || solution.lastDecrease < smallDecrease;
+        converged_ = solution.converged;
         if (problem_.updateClipping())
             problem_.linearizeData(); // else as the solver left it
         const double angle = problem_.noise.point / problem_.state.calibration.camera.K(0, 0);

@@ -221,7 +221,7 @@ TEST(ActiveHandEye_Refine, the_result_scales_with_the_unit)
     EXPECT_LE(points.handEye, 1e-9);
     EXPECT_LE(points.scenePoints, 1e-9);
     EXPECT_LE(points.covariance, 1e-8);
-    EXPECT_LE(points.levels, 1e-8);
+    EXPECT_LE(points.levels, 1e-7);
 
     // A surface is four numbers (w, e) of length 1, so its steps hang on the unit, and where the iteration stops with them.
     RefineScene scene(5);
