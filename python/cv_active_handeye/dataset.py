@@ -11,7 +11,7 @@ from __future__ import annotations
 import hashlib
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import cv2
 import numpy as np
@@ -244,8 +244,7 @@ class Dataset:
             self._check_pixels(name, pixels)
         except ValueError as error:
             raise FileFormatError(str(error)) from error
-        # _check_pixels has refused every other element type, which mypy cannot see.
-        return pixels  # type: ignore[return-value]
+        return cast(Image, pixels)
 
     def _check_pixels(self, name: str, pixels: Any) -> None:
         camera = self.camera

@@ -15,7 +15,6 @@ LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxItera
     summary.cost = problem.linearize(summary.JtJ, Jtr);
     double damping = 1e-6;
     const double maxDamping = 1e12;
-    double lastDecrease = std::numeric_limits<double>::infinity();
     for (summary.iterations = 0; summary.iterations < maxIterations && !summary.converged; ++summary.iterations)
     {
         // Marquardt's scaling; the added constant keeps parameters that nothing observes where they are.
@@ -33,7 +32,6 @@ LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxItera
         const double cost = problem.costAfter(step);
         const double predictedDecrease = -step.dot(Jtr);
         const double negligible = std::max(tolerance * summary.cost, problem.negligibleDecrease());
-        lastDecrease = cost < summary.cost ? summary.cost - cost : predictedDecrease;
         if (!(cost < summary.cost))
         {
             summary.converged = predictedDecrease <= negligible || damping > maxDamping;
@@ -45,10 +43,6 @@ LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxItera
         summary.cost = problem.linearize(summary.JtJ, Jtr);
         damping = std::max(damping * 0.1, 1e-12);
     }
-    // Where rounding or clipped residuals keep the cost from settling, steps of a hundredth of a standard deviation are the end.
-    const int manyIterations = 20;
-    if (summary.iterations >= manyIterations && lastDecrease < 1e6 * problem.negligibleDecrease())
-        summary.converged = true;
     return summary;
 }
 

@@ -67,9 +67,9 @@ double RefineProblem::trackCost(int track, const CameraViews& views, const Camer
     return sum;
 }
 
-//! Cost of a track at X and the step from there: Gauss-Newton's, or with isRobust that of the weights of Huber's loss at X.
+//! Cost of a track at X and the step from there.
 PointStep RefineProblem::stepOfPoint(int track, const CameraViews& views, const Camera& camera, const Vector3d& X,
-                                     bool isRobust) const
+                                     LossCurvature curvature) const
 {
     Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
     Vector3d b = Vector3d::Zero();
@@ -83,11 +83,18 @@ PointStep RefineProblem::stepOfPoint(int track, const CameraViews& views, const 
         if (!residual.linearizePoint(camera, views[o.view], X, o.pixel))
             return PointStep{X, infinity, false};
         const double r = residual.error.norm() * o.inverseSigma, k = huberThreshold_ * noise.point;
-        const double weight = (isRobust && r > k ? k / r : 1) * o.inverseSigma * o.inverseSigma;
+        const bool isClipped = r > k;
+        const double weight =
+            (isClipped && curvature != CURVATURE_SQUARE ? k / r : 1) * o.inverseSigma * o.inverseSigma;
         A.noalias() += weight * residual.byPoint.transpose() * residual.byPoint;
         b.noalias() += weight * residual.byPoint.transpose() * residual.error;
+        if (isClipped && curvature == CURVATURE_LOSS)
+        {
+            const Vector3d slope = residual.byPoint.transpose() * residual.error.normalized();
+            A.noalias() -= weight * slope * slope.transpose();
+        }
         result.cost += huberCost(r);
-        result.isClipped |= r > k;
+        result.isClipped |= isClipped;
     }
     result.next -= A.ldlt().solve(b);
     return result;
@@ -95,32 +102,40 @@ PointStep RefineProblem::stepOfPoint(int track, const CameraViews& views, const 
 
 /** Follows the cameras with a scene point. Returns the cost of its track.
 
-First a plain step, since they may have moved far, and a robust one from there. Where Huber's loss clips, robust steps go on until they
-settle: a point that lags behind its optimum would make the cost of the cameras fall slowly for many iterations.
+First a plain step, since they may have moved far, and a robust one from there. Where Huber's loss clips, Newton's steps go on until they
+settle: a point that lags behind its optimum would make the cost of the cameras fall slowly for many iterations. Where Newton's step is too
+long, the weights' step lowers the cost.
 */
 double RefineProblem::movePoint(int track, const CameraViews& views, const Camera& camera, Vector3d& X) const
 {
-    const PointStep start = stepOfPoint(track, views, camera, X, false);
-    const PointStep plain = stepOfPoint(track, views, camera, start.next, true);
+    const PointStep start = stepOfPoint(track, views, camera, X, CURVATURE_SQUARE);
+    const PointStep plain = stepOfPoint(track, views, camera, start.next, CURVATURE_WEIGHTS);
     double best = start.cost;
     const auto offer = [&](const Vector3d& candidate, double cost)
     {
+        const bool isBetter = cost < best;
         if (cost <= best)
         {
             best = cost;
             X = candidate;
         }
+        return isBetter;
+    };
+    const auto offerStep = [&](LossCurvature curvature)
+    {
+        const Vector3d next = stepOfPoint(track, views, camera, X, curvature).next;
+        return offer(next, trackCost(track, views, camera, next));
     };
     offer(start.next, plain.cost);
     offer(plain.next, trackCost(track, views, camera, plain.next));
-    const int maxSteps = 10;
+    const int maxSteps = 20;
     const double settled = 1e-10 * noise.point * noise.point;
     double before = start.isClipped || plain.isClipped ? infinity : best;
     for (int i = 0; i < maxSteps && before - best > settled; ++i)
     {
         before = best;
-        const PointStep robust = stepOfPoint(track, views, camera, X, true);
-        offer(robust.next, trackCost(track, views, camera, robust.next));
+        if (!offerStep(CURVATURE_LOSS))
+            offerStep(CURVATURE_WEIGHTS);
     }
     return best;
 }

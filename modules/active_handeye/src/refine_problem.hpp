@@ -63,6 +63,14 @@ struct DataTerm
     int redundancy = 0; //!< residuals minus eliminated unknowns
 };
 
+//! Which second derivative of the points' loss a step takes, where Huber's clips.
+enum LossCurvature
+{
+    CURVATURE_SQUARE,  //!< that of the unclipped square: the step of least squares
+    CURVATURE_WEIGHTS, //!< that of iteratively reweighted least squares: a safe bound, slow near the optimum
+    CURVATURE_LOSS     //!< its own: Newton's step
+};
+
 //! Cost of a track at a scene point, and where the point should go.
 struct PointStep
 {
@@ -119,7 +127,7 @@ private:
     double cost(const CalibrationState& state) const;
     CalibrationState moved(const Eigen::VectorXd& step) const;
     PointStep stepOfPoint(int track, const CameraViews& views, const Camera& camera, const Eigen::Vector3d& X,
-                          bool isRobust) const;
+                          LossCurvature curvature) const;
     double movePoint(int track, const CameraViews& views, const Camera& camera, Eigen::Vector3d& X) const;
     double trackCost(int track, const CameraViews& views, const Camera& camera, const Eigen::Vector3d& X) const;
     double huberCost(double r) const;

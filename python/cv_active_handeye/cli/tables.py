@@ -57,7 +57,7 @@ def demo_table(result: DemoResult) -> Table:
         error = -true if row.name in ROTATION else row.value - true
         shown = turn[ROTATION.index(row.name)] if row.name in ROTATION else true
         numbers = [f"{row.value:.{row.digits}f}", f"{shown:.{row.digits}f}", f"{error:+.{row.digits}f}"]
-        holds = {True: "yes", False: "no"}.get(inside.get(row.name), "-")  # type: ignore[arg-type]
+        holds = {True: "yes", False: "no", None: "-"}[inside.get(row.name)]
         table.add_row(row.label, *numbers, two_digits(row.half), holds, row.unit)
     return table
 

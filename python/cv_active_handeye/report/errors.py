@@ -17,17 +17,25 @@ from ..files import FloatArray
 class TrueValues(Protocol):
     """What is compared; `simulation.Truth` has it."""
 
-    # The names say it all; their shapes stand in simulation.Truth.
     @property
-    def camera_matrix(self) -> FloatArray: ...  # noqa: D102
+    def camera_matrix(self) -> FloatArray:
+        """3 x 3, px."""
+
     @property
-    def distortion_coefficients(self) -> FloatArray: ...  # noqa: D102
+    def distortion_coefficients(self) -> FloatArray:
+        """k1, k2, p1, p2, k3."""
+
     @property
-    def R_cam2gripper(self) -> FloatArray: ...  # noqa: D102
+    def R_cam2gripper(self) -> FloatArray:
+        """3 x 3."""
+
     @property
-    def t_cam2gripper(self) -> FloatArray: ...  # noqa: D102
+    def t_cam2gripper(self) -> FloatArray:
+        """3, metres."""
+
     @property
-    def light_plane(self) -> FloatArray | None: ...  # noqa: D102
+    def light_plane(self) -> FloatArray | None:
+        """Normal and distance in the camera's frame: 4, metres. None = no laser."""
 
 
 @dataclass(frozen=True)
