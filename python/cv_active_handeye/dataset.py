@@ -28,6 +28,8 @@ __all__ = ["FILE_NAME", "CameraInfo", "Dataset", "Image", "LaserInfo", "View"]
 SCHEMA_VERSION = 1
 FILE_NAME = "dataset.yaml"
 IMAGE_FOLDER = "images"
+FARTHEST_VIEW = 20.0
+"""Metres that no robot, or its linear axis, moves during a calibration."""
 
 Image = NDArray[np.uint8] | NDArray[np.uint16]
 
@@ -188,7 +190,7 @@ class Dataset:
                 self._check_file(name)
             except (FileFormatError, OSError) as error:
                 found.append(str(error))
-        return found + self._strays()
+        return found + self._strays() + self._distances()
 
     def sha256(self) -> str:
         """Hash of everything the data set says: the content of `dataset.yaml` and the bytes of every file it names."""
@@ -214,10 +216,18 @@ class Dataset:
     def _strays(self) -> list[str]:
         known = set(self._named_files())
         stored = sorted(path for path in (self.folder / IMAGE_FOLDER).glob("*") if path.is_file())
-        names = [path.relative_to(self.folder).as_posix() for path in stored]
-        return [
-            f"{name}: no view names this file (a view that was not completed?)" for name in names if name not in known
-        ]
+        names = [name for path in stored if (name := path.relative_to(self.folder).as_posix()) not in known]
+        if len(names) > 3:
+            return [f"{names[0]} and {len(names) - 1} more: no view names these files (views that were not completed?)"]
+        return [f"{name}: no view names this file (a view that was not completed?)" for name in names]
+
+    def _distances(self) -> list[str]:
+        if not self.views:
+            return []
+        farthest = float(np.linalg.norm(self.t_gripper2base - self.t_gripper2base[0], axis=1).max())
+        if farthest <= FARTHEST_VIEW:
+            return []
+        return [f"t_gripper2base: the views are up to {farthest:.4g} m apart; needs metres, are these millimetres?"]
 
     def _write(self, content: Content) -> None:
         style: dict[str, Any] = {"sort_keys": False, "default_flow_style": None, "width": 200, "allow_unicode": True}

@@ -69,7 +69,8 @@ def read_yaml(path: Path, kind: str) -> dict[str, Any]:
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise FileFormatError(f"{path}: cannot be read as a {kind} file: {error}") from error
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise FileFormatError(f"{path}: cannot be read as a {kind} file: {reason}") from error
     try:
         content = yaml.load(text, Loader=_UniqueKeyLoader)
     except yaml.YAMLError as error:

@@ -150,6 +150,15 @@ def test_calibrate_without_translations_exits_3_with_the_text_of_the_library(tmp
     assert not (tmp_path / "result.yaml").exists()
 
 
+def test_calibrate_without_turns_exits_3_and_names_the_option_that_would_do(tmp_path: Path) -> None:
+    exact_dataset(tmp_path / "set", [0, 1, 2, 3, 4])
+    result = run("calibrate", "set", "-o", "result.yaml")
+    assert result.exit_code == Exit.INSUFFICIENT_DATA
+    text = " ".join(result.output.split())
+    assert "add rotations about two axes that are not parallel, or set --allow-partial" in text
+    assert "REFINE_" not in text
+
+
 def test_debug_passes_the_exception_on(tmp_path: Path) -> None:
     exact_dataset(tmp_path / "set", [0, 5, 10, 12])
     assert isinstance(run("--debug", "calibrate", "set").exception, cah.error)

@@ -106,6 +106,23 @@ def test_half_written_data_set_opens_and_says_what_is_missing(tmp_path: Path) ->
     assert problems[3].startswith("images/0002.png: no view names this file")
 
 
+def test_many_files_that_no_view_names_are_told_in_one_sentence(tmp_path: Path) -> None:
+    recording(tmp_path / "set", views=3)
+    for index in range(5, 10):
+        (tmp_path / f"set/images/{index:04}.png").write_bytes(b"left over")
+    assert Dataset.open(tmp_path / "set").problems() == [
+        "images/0005.png and 4 more: no view names these files (views that were not completed?)"
+    ]
+
+
+def test_poses_in_millimetres_are_told(tmp_path: Path) -> None:
+    dataset = recording(tmp_path / "set", views=2)
+    dataset.add_view(rotation(2), [400.0, -200.0, 350.0], image=picture(2))
+    (problem,) = dataset.problems()
+    assert problem.startswith("t_gripper2base: the views are up to 56")
+    assert "needs metres" in problem
+
+
 def test_add_view_continues_a_half_written_data_set(tmp_path: Path) -> None:
     recording(tmp_path / "set", views=2)
     (tmp_path / "set/images/0002.png").write_bytes(b"left over")

@@ -49,9 +49,8 @@ void requireMotion(const RefineMeasurements& measurements, const RefineParams& p
             .requireDirections(isKnown ? 2 : 3, isKnown ? "two that are not parallel"
                                                         : "three that are not coplanar (two with REFINE_FIX_K)");
     if (turns.observed.cols() < 3 && !(params.flags & (REFINE_FIX_TRANSLATION | REFINE_ALLOW_PARTIAL)))
-        CV_Error(Error::StsNoConv,
-                 "R_gripper2base: the turns do not determine t_cam2gripper, or set REFINE_ALLOW_PARTIAL: " +
-                     unobservedTranslation(turns.axis, turns));
+        CV_Error(Error::StsNoConv, "R_gripper2base: the turns do not determine t_cam2gripper: " +
+                                       unobservedTranslation(turns.axis, turns) + ", or set REFINE_ALLOW_PARTIAL");
 }
 
 //! K and R from the pure translations, t from the turns, as far as the caller gives no start.

@@ -16,6 +16,7 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn
 import cv_active_handeye as cah
 
 from ..files import FileFormatError
+from ..report.words import command_line_words
 from ..workflow.reporter import InsufficientDataError
 from ..workflow.reporter import Progress as ProgressCall
 
@@ -84,7 +85,8 @@ def told_errors(debug: bool, reporter: TerminalReporter | None = None) -> Iterat
         hint = "\n--debug before the command shows where it came from." if status == Exit.INTERNAL else ""
         if isinstance(error, ModuleNotFoundError):
             hint = escape("\nIt comes with pip install 'cv_active_handeye[workflow,sim]'.")
-        err.print(f"[bold red]{prefix}{escape(where)}:[/] {escape(str(error).strip() or type(error).__name__)}{hint}")
+        text = command_line_words(str(error).strip()) or type(error).__name__
+        err.print(f"[bold red]{prefix}{escape(where)}:[/] {escape(text)}{hint}")
         raise typer.Exit(int(status)) from error
 
 

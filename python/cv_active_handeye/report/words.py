@@ -10,8 +10,24 @@ from typing import Any
 NAMES = ("fx", "fy", "cx", "cy", "skew", "k1", "k2", "p1", "p2", "k3")
 
 
+COMMAND_LINE_WORDS = {
+    "REFINE_ALLOW_PARTIAL": "--allow-partial",
+    "REFINE_FIX_K": "--camera",
+    "REFINE_FIX_ASPECT": "--square-pixels",
+    " (unit of t_gripper2base)": " m",
+}
+
+
+def command_line_words(text: str) -> str:
+    """A text of the C++ library with options of the command line instead of its flags, and lengths in metres."""
+    for word, replacement in COMMAND_LINE_WORDS.items():
+        text = text.replace(word, replacement)
+    return text
+
+
 def sentence(text: str) -> str:
-    """`text` with a full stop, and with a capital letter unless it begins with a name such as cx or t_cam2gripper."""
+    """`text` in `command_line_words` with a full stop, and a capital letter unless it begins with a name like cx."""
+    text = command_line_words(text)
     first = text.split(" ", 1)[0].rstrip(":,;.")
     start = text[:1].upper() if first.isalpha() and first not in NAMES else text[:1]
     return f"{start}{text[1:].rstrip('.')}."

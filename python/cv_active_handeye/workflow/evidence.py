@@ -19,6 +19,8 @@ from ..tracking import TrackingError, track_points
 from .reporter import InsufficientDataError, Reporter
 
 UNSURE = -1
+MOST_PROBLEMS = 5
+"""Of a data set, told one by one."""
 
 
 @dataclass(frozen=True)
@@ -66,8 +68,11 @@ def open_recording(dataset: Dataset | str | Path, reporter: Reporter) -> Dataset
     """Opens the data set and passes on what it lacks."""
     if not isinstance(dataset, Dataset):
         dataset = Dataset.open(dataset)
-    for problem in dataset.problems():
+    problems = dataset.problems()
+    for problem in problems[:MOST_PROBLEMS]:
         reporter.note(f"data set: {problem}")
+    if len(problems) > MOST_PROBLEMS:
+        reporter.note(f"data set: {len(problems) - MOST_PROBLEMS} more problems; cv-active-handeye show tells them all")
     return dataset
 
 
