@@ -60,7 +60,7 @@ def calibration_of(
         views=len(dataset),
         points=int((seen.sum(axis=0) > 0).sum()),
         observations=int(used.sum()),
-        stripe_segments=len(segments),
+        stripe_segments=int(np.isfinite(summary.stripeResiduals).all(axis=1).sum()) if segments else 0,
         parameter_names=tuple(summary.parameterNames),
         covariance=summary.covariance,
         degrees_of_freedom=summary.degreesOfFreedom,
