@@ -76,6 +76,7 @@ stubs: setup
 	$(BIN)/python scripts/stubs.py
 
 bench: setup
+	-@scripts/system-packages $(PYTHON) bench
 	$(BIN)/python -m benchmark --write
 
 sanitize: setup

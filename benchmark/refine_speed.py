@@ -191,7 +191,11 @@ def growth(seed: int, rounds: int) -> tuple[Table, list[Measure]]:
     columns = ("views", "points", "image points", "time [ms]", "iterations", "memory [MB]")
     seconds = rows[-1][3]
     assert isinstance(seconds, float)
-    return Table("Growth", columns, rows, "Memory: peak of the call above what the process held before it."), [
+    note = (
+        "Memory: peak of the call above what the process held before it. It grows with the image points, and with the "
+        "square of the views: some eight dense matrices over the six corrections of every view."
+    )
+    return Table("Growth", columns, rows, note), [
         Measure(f"time, {POINT_COUNTS[0]} to {POINT_COUNTS[-1]} points: slope", slope(0, points - 1, 1, 3), LINEAR),
         Measure("memory, 2000 to 20000 points: slope", slope(2, points - 1, 1, 5), LINEAR),
         Measure("time, 100 to 200 views: slope", slope(points + views - 2, points + views - 1, 0, 3), CUBIC),
