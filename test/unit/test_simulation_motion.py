@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 active_handeye contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The motion that checks a calibration, and a camera that was pushed: options of the simulated cell."""
+"""The motions that check a calibration and scan the bench, and a camera that was pushed: options of the simulated cell."""
 
 from __future__ import annotations
 
@@ -44,6 +44,29 @@ def test_check_motion_looks_at_the_bench_from_working_distance() -> None:
     for view in views[1:]:
         assert np.isfinite(cell.correspond(views[0], view, grid)).all(axis=1).mean() > 0.2
         assert 0.45 < np.median(cell.stripe(view).points_3d[:, 2]) < 0.65
+
+
+@pytest.mark.parametrize("robot", ["denso_vp6242", "ur5e"])
+@pytest.mark.parametrize("seed", range(4))
+def test_scan_motion_is_a_straight_line_of_even_steps_in_reach(robot: str, seed: int) -> None:
+    cell = small_cell(robot=robot, seed=seed, motion="scan")
+    poses = np.array(cell.plan())  # reachable, or it would raise
+    assert len(poses) == 40
+    np.testing.assert_allclose(poses[:, :3, :3], poses[:1, :3, :3].repeat(40, axis=0), atol=1e-12)
+    steps = np.diff(poses[:, :3, 3], axis=0)
+    np.testing.assert_allclose(steps, steps[:1].repeat(39, axis=0), atol=1e-12)
+    assert np.linalg.norm(steps[0]) == pytest.approx(0.005)
+    # the stripe lies along the image's rows, so the camera has to move along its columns
+    R_cam2base = poses[0, :3, :3] @ cell.truth.R_cam2gripper
+    np.testing.assert_allclose(np.abs(steps[0] @ R_cam2base), [0, 0.005, 0], atol=1e-12)
+
+
+def test_scan_sees_the_stripe_at_every_stop() -> None:
+    cell = small_cell(seed=1, motion="scan")
+    for index, pose in list(enumerate(cell.plan()))[::13]:
+        stripe = cell.stripe(cell.capture(pose, index))
+        assert len(stripe.points) > 80
+        assert 0.4 < np.median(stripe.points_3d[:, 2]) < 0.65
 
 
 def test_check_recording_is_of_the_same_cell_at_another_time(tmp_path: Path) -> None:

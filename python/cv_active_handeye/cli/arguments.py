@@ -32,6 +32,7 @@ class Motion(str, Enum):
 
     DEFAULT = "default"
     CHECK = "check"
+    SCAN = "scan"
 
 
 Dataset = Annotated[Path, typer.Argument(help="Folder with dataset.yaml.", metavar="DATASET")]
@@ -42,7 +43,10 @@ Output = Annotated[Path, typer.Option("--output", "-o", help="Folder for everyth
 Seed = Annotated[int, typer.Option(min=0, help="Seed of the simulated cell: same seed, same images.")]
 Robot = Annotated[str, typer.Option(help="Simulated robot: denso_vp6242 or ur5e.")]
 Truth = Annotated[Path | None, typer.Option(help="File for the truth; default: DATASET-truth.yaml.")]
-MotionChoice = Annotated[Motion, typer.Option(help="default: the stops of a calibration; check: 5 others for verify.")]
+MotionChoice = Annotated[
+    Motion,
+    typer.Option(help="default: 14 stops to calibrate; check: 5 others for verify; scan: 40 in a line for scan."),
+]
 BumpMm = Annotated[float, typer.Option(min=0, help="Push the camera out of its mounting by this many mm.")]
 BumpDeg = Annotated[float, typer.Option(min=0, help="Turn the camera in its mounting by this many degrees.")]
 

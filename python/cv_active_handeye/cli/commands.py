@@ -98,7 +98,12 @@ def demo(
         raise typer.Exit(int(Exit.BEYOND_LIMITS))
 
 
-@command("simulate out/cell", "simulate out/check --motion check", "simulate out/bumped --motion check --bump-mm 0.5")
+@command(
+    "simulate out/cell",
+    "simulate out/check --motion check",
+    "simulate out/bumped --motion check --bump-mm 0.5",
+    "simulate out/scan --motion scan",
+)
 def simulate(
     dataset: arguments.NewDataset,
     truth: arguments.Truth = None,
@@ -110,8 +115,9 @@ def simulate(
 ) -> None:
     """Records a motion in the simulated cell: a data set like one of a real robot.
 
-    The same seed is the same cell. With --motion check it is visited again, at other stops, for verify; with --bump-mm
-    or --bump-deg its camera has been pushed since.
+    The same seed is the same cell. With --motion check it is visited again, at other stops, for verify; with --motion
+    scan the laser is moved across the bench, for scan and measure; with --bump-mm or --bump-deg its camera has been
+    pushed since.
     """
     truth_file = truth or dataset.with_name(f"{dataset.name}-truth.yaml")
     if dataset.resolve() in truth_file.resolve().parents:

@@ -32,7 +32,7 @@ from .truth import TrueView, Truth
 Image = NDArray[np.uint8] | NDArray[np.uint16]
 
 _HARDWARE, _SCENE, _ROBOT, _SENSOR, _BUMP = range(5)  # keys of the independent random streams
-_FIRST_STOP = {"default": 0, "check": 1000}  # every visit has noise of its own
+_FIRST_STOP = {"default": 0, "check": 1000, "scan": 2000}  # every visit has noise of its own
 _LAMPS = [Lamp((-0.35, 0.30, 0.9), 0.12, 0.62), Lamp((0.5, -0.1, 1.1), 0.25, 0.30)]
 _AMBIENT, _AMBIENT_WITHOUT_LAMP = 0.22, 1.0
 _AIM = np.array([0.0, 0.0, 0.02])
@@ -84,8 +84,7 @@ class SimulatedCell:
     def plan(self) -> list[Array]:
         """Return the commanded poses (4, 4), gripper to base, of the motion, all reachable; they know of no bump."""
         to_gripper = np.linalg.inv(self._T_mount2gripper)
-        looks = motion.default_looks() if self.config.motion == "default" else motion.check_looks()
-        cameras = motion.camera_poses(looks, _AIM)
+        cameras = motion.camera_poses(motion.LOOKS[self.config.motion](), _AIM)
         poses = [self._T_bench2base @ pose @ to_gripper for pose in cameras]
         motion.check_motion(self.arm, poses)
         return poses

@@ -54,6 +54,16 @@ def check_looks() -> list[Look]:
     ]
 
 
+def scan_looks() -> list[Look]:
+    """Return 40 stops of a scan: straight down, in steps of 5 mm across the stripe, over 195 mm of the bench."""
+    along = np.linspace(-97.5, 97.5, 40) / 1000
+    return [Look((0, 0, 0), np.column_stack([0 * along, along, 0 * along]))]
+
+
+LOOKS = {"default": default_looks, "check": check_looks, "scan": scan_looks}
+"""The recordings by the names of `CellConfig.motion`."""
+
+
 def camera_poses(looks: list[Look], aim: Array) -> list[Array]:
     """Return camera poses (4, 4) in the bench frame.
 
