@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 active_handeye contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The motions that check a calibration and scan the bench, and a camera that was pushed: options of the simulated cell."""
+"""Motions that check a calibration or scan the bench, and a camera that was pushed: options of the simulated cell."""
 
 from __future__ import annotations
 

@@ -22,10 +22,11 @@ def _missing(name: str) -> Callable[[], object]:
 
 app: Callable[[], object]
 try:
-    from . import commands
+    from . import application, commands, laser
 except ModuleNotFoundError as error:
     if error.name not in EXTRA:
         raise
     app = _missing(error.name)
 else:
-    app = commands.app
+    app = application.app
+    del commands, laser

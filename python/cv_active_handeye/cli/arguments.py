@@ -84,4 +84,12 @@ ReportBoard = Annotated[
 ]
 Score = Annotated[Path | None, typer.Option(help="Score this result instead of calibrating again.")]
 Verified = Annotated[Path, typer.Option(help="The calibration in question.")]
+Applied = Annotated[Path, typer.Option(help="The calibration to measure with; it needs a light plane.")]
+Cloud = Annotated[Path, typer.Option("--output", "-o", help="PLY file for the point cloud.")]
+CloudPicture = Annotated[Path | None, typer.Option("--picture", help="PNG file for a picture of the cloud.")]
+MaxSigmaMm = Annotated[
+    float | None, typer.Option(min=0, help="Leave out points whose standard deviation is larger, mm (default: none).")
+]
+Points = Annotated[Path, typer.Option(help="CSV file: name,view,u,v (px) and, where known, x,y,z (mm).")]
+Measured = Annotated[Path | None, typer.Option("--output", "-o", help="CSV file for the measured points.")]
 Picture = Annotated[Path | None, typer.Option(help="PNG file for a picture of the errors of all views.")]

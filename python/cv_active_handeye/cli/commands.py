@@ -1,17 +1,14 @@
 # SPDX-FileCopyrightText: 2026 active_handeye contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The commands and their arguments."""
+"""The commands about calibrations and data sets, and their arguments; those that measure are in `laser`."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
 import numpy as np
 import typer
 from rich.markup import escape
-
-import cv_active_handeye as cah
 
 from ..calibration import Calibration
 from ..config import CalibrationOptions
@@ -23,8 +20,8 @@ from ..workflow.pictures import draw_pictures
 from ..workflow.reporting import report_calibration
 from ..workflow.verify import verify as run_verification
 from . import arguments
+from .application import Settings, app, command, print_lines
 from .console import Exit, err, out, terminal_reporter, told_errors
-from .helping import command_of, epilog
 from .results import result_lines, verdict_text, verification_lines
 from .settings import board_spec, calibration_options, cell_config
 from .tables import (
@@ -40,39 +37,7 @@ from .tables import (
     verification_table,
 )
 
-app = typer.Typer(
-    name="cv-active-handeye",
-    no_args_is_help=True,
-    rich_markup_mode="rich",
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
-command = command_of(app)
-
-
-class _Settings:
-    debug = False
-
-
-def _print_version(wanted: bool) -> None:
-    if wanted:
-        out.print(cah.__version__)
-        raise typer.Exit
-
-
-@app.callback(epilog=epilog())
-def main(
-    debug: Annotated[bool, typer.Option("--debug", help="Show the trace-back of an error.")] = False,
-    version: Annotated[
-        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Version.")
-    ] = False,
-) -> None:
-    """Calibrates a robot's camera and line laser without a target: from pure translations and turns of the robot.
-
-    Start with [bold]cv-active-handeye demo[/]: it records a simulated cell and calibrates it.
-    """
-    _Settings.debug = debug
-
+__all__ = ["app"]
 
 @command("demo", "demo --seed 3 --output out/demo")
 def demo(
@@ -82,16 +47,16 @@ def demo(
 
     Writes the data set, truth.yaml (outside of the data set), calibration.yaml, report.html and pictures.
     """
-    with terminal_reporter() as reporter, told_errors(_Settings.debug, reporter):
+    with terminal_reporter() as reporter, told_errors(Settings.debug, reporter):
         from ..workflow.demo import demo as run_demo
 
         result = run_demo(output, cell_config(seed=seed, robot=robot), reporter)
     out.print(demo_table(result))
-    _print_lines(inside_text(result), ROTATION_NOTE)
+    print_lines(inside_text(result), ROTATION_NOTE)
     out.print(limits_table(result))
-    _print_lines(verdict_text(result.calibration), *result_lines(result.calibration))
-    _print_lines(f"Written to {output}: dataset/, truth.yaml, calibration.yaml, pictures/")
-    _print_lines(f"Report: {result.report}")
+    print_lines(verdict_text(result.calibration), *result_lines(result.calibration))
+    print_lines(f"Written to {output}: dataset/, truth.yaml, calibration.yaml, pictures/")
+    print_lines(f"Report: {result.report}")
     beyond = result.beyond_limits()
     if beyond:
         err.print(f"[bold red]error:[/] beyond the limits: {', '.join(beyond)}")
@@ -123,11 +88,11 @@ def simulate(
     if dataset.resolve() in truth_file.resolve().parents:
         raise typer.BadParameter(f"needs a place outside of {dataset}, given {truth_file}", param_hint="--truth")
     config = {"seed": seed, "robot": robot, "motion": motion.value, "bump_mm": bump_mm, "bump_deg": bump_deg}
-    with terminal_reporter() as reporter, told_errors(_Settings.debug, reporter):
+    with terminal_reporter() as reporter, told_errors(Settings.debug, reporter):
         from ..workflow.simulate import simulate as run_simulation
 
         recorded, _ = run_simulation(dataset, truth_file, cell_config(**config), reporter)
-    _print_lines(f"{len(recorded)} views in {dataset}, the truth in {truth_file}")
+    print_lines(f"{len(recorded)} views in {dataset}, the truth in {truth_file}")
 
 
 @command(
@@ -173,7 +138,7 @@ def calibrate(
     }
     spec = board_spec(board) if board is not None else None
     page = None if no_report else report or output.with_name("report.html")
-    with terminal_reporter() as reporter, told_errors(_Settings.debug, reporter):
+    with terminal_reporter() as reporter, told_errors(Settings.debug, reporter):
         options = calibration_options(config, camera, distortion, given)
         recording = Dataset.open(dataset)
         result, evidence = calibrate_with_evidence(recording, options, reporter)
@@ -184,7 +149,7 @@ def calibrate(
         if page is not None:
             report_calibration(page, recording, result, evidence, reporter, spec)
     _print_calibration(result, str(output))
-    _print_lines(f"Written to {output}", *([f"Report: {page}"] if page is not None else []))
+    print_lines(f"Written to {output}", *([f"Report: {page}"] if page is not None else []))
     if result.verdict is not None and not result.verdict.usable:
         raise typer.Exit(int(Exit.BEYOND_LIMITS))
 
@@ -204,14 +169,14 @@ def verify(
     Three views or more of any textured scene; more of them, and turns between them, see smaller changes. Every view is
     predicted from the others; errors are judged by the noise levels and the covariance of the calibration.
     """
-    with terminal_reporter() as reporter, told_errors(_Settings.debug, reporter):
+    with terminal_reporter() as reporter, told_errors(Settings.debug, reporter):
         options = CalibrationOptions(track_images=track)
         result = run_verification(Dataset.open(dataset), Calibration.load(calibration), options, reporter)
         if picture is not None:
             errors = np.array([(row.error_px, row.expected_px) for row in result.views])
             picture_view_errors(picture, errors[:, 0], errors[:, 1], result.summary.contradictingViews)
     out.print(verification_table(result))
-    _print_lines(*verification_lines(result))
+    print_lines(*verification_lines(result))
     if not result.valid:
         raise typer.Exit(int(Exit.BEYOND_LIMITS))
 
@@ -236,7 +201,7 @@ def compare(
     Where the recording has no pure translations, ours starts from OpenCV's best result.
     """
     spec = board_spec(board)
-    with terminal_reporter() as reporter, told_errors(_Settings.debug, reporter):
+    with terminal_reporter() as reporter, told_errors(Settings.debug, reporter):
         recording = Dataset.open(dataset)
         options = calibration_options(None, camera, distortion, {"track_images": True if track else None})
         given = Calibration.load(calibration) if calibration is not None else None
@@ -252,7 +217,7 @@ def compare(
 @command("show out/calibration.yaml", "show out/cell")
 def show(file: arguments.ShownFile) -> None:
     """Prints a result or a data set, and what a data set lacks."""
-    with told_errors(_Settings.debug):
+    with told_errors(Settings.debug):
         if file.is_dir() or file.name == FILE_NAME:
             dataset = Dataset.open(file if file.is_dir() else file.parent)
             out.print(dataset_table(dataset))
@@ -265,17 +230,12 @@ def show(file: arguments.ShownFile) -> None:
         _print_calibration(Calibration.load(file), str(file))
 
 
-def _print_lines(*lines: str) -> None:
-    for line in lines:
-        out.print(escape(line))
-
-
 def _print_calibration(calibration: Calibration, title: str) -> None:
     unusable = calibration.verdict is not None and not calibration.verdict.usable
     out.print(calibration_table(calibration, title))
-    _print_lines(ROTATION_NOTE)
+    print_lines(ROTATION_NOTE)
     out.print(escape(verdict_text(calibration)), style="bold red" if unusable else "bold")
-    _print_lines(*result_lines(calibration))
+    print_lines(*result_lines(calibration))
 
 
 def _print_problems(comparison: Comparison) -> None:

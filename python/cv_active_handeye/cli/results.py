@@ -13,11 +13,13 @@ from ..calibration import PARAMETERS, Calibration
 from ..calibration_format import LENS_NAMES, NoiseLevel, NoiseLevels, Verdict
 from ..report.parameters import DISTORTION, ROTATION, SCALES, UNITS, parameter_values
 from ..report.verdict import NORMAL_95
-from ..report.words import counted, sentence, two_digits
+from ..report.words import counted, sentence, two_digits, views_listed
 
 if TYPE_CHECKING:
     from cv_active_handeye import VerifySummary
 
+    from ..workflow.measure import MeasuredPoint
+    from ..workflow.scan import Scan
     from ..workflow.verify import Verification
 
 LABELS = {f"r{axis}": f"R_cam2gripper r{axis}" for axis in "xyz"}
@@ -119,6 +121,47 @@ def verification_lines(result: Verification) -> list[str]:
         lines.append(f"{_shift(summary)} It is a hint where to look, not a correction: calibrate again.")
     rejected = f", {summary.rejectedObservations} left out" if summary.rejectedObservations else ""
     return [*lines, f"RMS error {result.rms_px:.3f} px; {summary.usedObservations} image points{rejected}."]
+
+
+def scan_lines(result: Scan) -> list[str]:
+    """How many points, how good they are, which box they fill, and what was left out."""
+    views, points, sigmas = len(np.unique(result.views)), 1000 * result.points, 1000 * result.sigmas
+    lines = [f"{counted(len(points), 'point')} in {counted(views, 'view')}, in the robot's base frame."]
+    middle, most = (f"{two_digits(float(x))} mm" for x in np.quantile(sigmas, (0.5, 0.95), method="lower"))
+    lines.append(f"Sigma in the worst direction: median {middle}, 95 % are below {most}.")
+    if result.scatter > 1:
+        times = f"{result.scatter:.2f} times as far as the noise of its image"
+        lines.append(f"The stripe scatters {times} (grain of the laser light, texture); sigma allows for it.")
+    if not np.isfinite(sigmas).all():
+        lines.append(
+            f"{counted(int(np.isinf(sigmas).sum()), 'point')} without a sigma: the calibration left something open."
+        )
+    box = zip("xyz", points.min(axis=0), points.max(axis=0), strict=True)
+    lines.append(f"Box: {', '.join(f'{axis} {low:.1f} to {high:.1f} mm' for axis, low, high in box)}.")
+    if result.empty_views:
+        lines.append(f"Without points: {views_listed(result.empty_views)}.")
+    if result.beyond_limit:
+        lines.append(f"Left out for their sigma: {counted(result.beyond_limit, 'point')}.")
+    return lines
+
+
+def measured_lines(points: list[MeasuredPoint]) -> list[str]:
+    """How far the points are from their reference values; nothing where none is given."""
+    compared = [(point, 1000 * point.difference) for point in points if point.difference is not None]
+    if not compared:
+        return []
+    sizes = np.array([np.linalg.norm(difference) for _, difference in compared])
+    worst = compared[int(sizes.argmax())][0].name
+    name, axis, largest = max(
+        ((point.name, axis, d) for point, difference in compared for axis, d in zip("xyz", difference, strict=True)),
+        key=lambda item: abs(item[2]),
+    )
+    inside = sum(int((np.abs(difference) <= 1000 * point.half_widths).sum()) for point, difference in compared)
+    return [
+        f"3-D difference: RMS {np.sqrt(np.mean(sizes**2)):.3f} mm, maximum {sizes.max():.3f} mm ({worst}).",
+        f"Largest difference of one coordinate: {largest:+.3f} mm ({name}, {axis}).",
+        f"{inside} of {3 * len(compared)} differences are within the intervals, which hold no error of the references.",
+    ]
 
 
 def _shift(summary: VerifySummary) -> str:

@@ -25,6 +25,7 @@ from .results import parameter_rows
 
 if TYPE_CHECKING:
     from ..workflow.demo import DemoResult
+    from ..workflow.measure import MeasuredPoint
     from ..workflow.verify import Verification
 
 ROTATION_NOTE = "Intervals of R_cam2gripper: error angles about the gripper's axes."
@@ -91,6 +92,27 @@ def verification_table(result: Verification) -> Table:
         answer = ("no" if row.contradicts else "yes") if predicted else "not predicted"
         shown = [f"{x:.3f}" if math.isfinite(x) else "-" for x in numbers]
         table.add_row(str(row.view), *shown, answer, style="red" if row.contradicts else None)
+    return table
+
+
+def measured_table(points: list[MeasuredPoint]) -> Table:
+    """Coordinates of every point with halves of their 95 % intervals, and the number of views that saw it."""
+    table = _table("points in the base frame [mm], ± 95 %", "point", "x", "±", "y", "±", "z", "±", "views")
+    for point in points:
+        halves = ("not observed" if math.isinf(half) else f"{1000 * half:.3f}" for half in point.half_widths)
+        pairs = zip((f"{1000 * x:.3f}" for x in point.position), halves, strict=True)
+        table.add_row(escape(point.name), *(text for pair in pairs for text in pair), str(len(point.views)))
+    return table
+
+
+def differences_table(points: list[MeasuredPoint]) -> Table:
+    """Measured minus reference, of the points that have one, and the length of this vector."""
+    table = _table("measured minus reference [mm]", "point", "dx", "dy", "dz", "3-D")
+    for point in points:
+        difference = point.difference
+        if difference is not None:
+            length = f"{1000 * np.linalg.norm(difference):.3f}"
+            table.add_row(escape(point.name), *(f"{1000 * d:+.3f}" for d in difference), length)
     return table
 
 

@@ -52,7 +52,7 @@ def picture_tracks(
     axes.plot(*here[stars].T, "o", markerfacecolor=POINT_COLOUR, markeredgecolor="black", markersize=5)
     axes.set_title(f"Tracks of view {view} into the views of equal orientation", loc="left")
     figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
-    _save(figure, path)
+    save_figure(figure, path)
 
 
 def picture_stripe(
@@ -78,7 +78,7 @@ def picture_stripe(
     whole.set_title(f"Laser stripe of view {view}: {len(segments)} straight segments and their surfaces", loc="left")
     ordered = [handles[key] for key in sorted(handles, key=lambda key: (key < 0, key))]
     figure.legend(handles=ordered, loc="outside lower center", ncols=5, frameon=False)
-    _save(figure, path)
+    save_figure(figure, path)
 
 
 def picture_motion(
@@ -121,7 +121,7 @@ def picture_motion(
     axes.view_init(elev=22, azim=-58)
     figure.suptitle("Motion: flange axes (red x, green y, blue z) and what the camera looks at")
     figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False)
-    _save(figure, path)
+    save_figure(figure, path)
 
 
 def picture_view_errors(
@@ -142,7 +142,7 @@ def picture_view_errors(
         Line2D([], [], color="black", linewidth=2, label="expected from image, robot and calibration"),
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
-    _save(figure, path)
+    save_figure(figure, path)
 
 
 def _extent(positions: FloatArray) -> float:
@@ -186,6 +186,7 @@ def _show_image(axes: Any, image: NDArray[Any]) -> Any:
     return axes
 
 
-def _save(figure: Figure, path: str | Path) -> None:
+def save_figure(figure: Figure, path: str | Path) -> None:
+    """Writes a PNG file, and its folder if need be."""
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=130, facecolor="white")

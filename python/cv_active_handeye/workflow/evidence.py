@@ -101,6 +101,14 @@ def find_points(dataset: Dataset, options: CalibrationOptions, reporter: Reporte
     return ImagePoints(points, sigmas)
 
 
+def stripe_params(dataset: Dataset) -> cah.StripeParams:
+    """What `cah.detectStripe` has to know of the data set's laser."""
+    params = cah.StripeParams()
+    vertical = dataset.laser is not None and dataset.laser.stripe == "vertical"
+    params.orientation = int(cah.STRIPE_VERTICAL if vertical else cah.STRIPE_HORIZONTAL)
+    return params
+
+
 def find_stripes(
     dataset: Dataset, camera_matrix: FloatArray, distortion: FloatArray | None, reporter: Reporter
 ) -> list[StripeSegment]:
@@ -108,9 +116,7 @@ def find_stripes(
     found = [(view.index, dataset.laser_image(view.index)) for view in dataset.views]
     images = {index: image for index, image in found if image is not None}
     progress = reporter.step(f"finding the stripe in {len(images)} images") if images else None
-    params = cah.StripeParams()
-    vertical = dataset.laser is not None and dataset.laser.stripe == "vertical"
-    params.orientation = int(cah.STRIPE_VERTICAL if vertical else cah.STRIPE_HORIZONTAL)
+    params = stripe_params(dataset)
     segments: list[StripeSegment] = []
     for done, (index, image) in enumerate(images.items(), start=1):
         points, sigmas = cah.detectStripe(image, background=dataset.image(index), params=params)

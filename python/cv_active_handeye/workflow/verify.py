@@ -15,7 +15,7 @@ from ..calibration import Calibration
 from ..calibration_format import NoiseLevels
 from ..config import CalibrationOptions
 from ..dataset import Dataset
-from ..files import FileFormatError
+from .calibrated import noise_levels_for
 from .evidence import ImagePoints, find_points, open_recording
 from .reporter import InsufficientDataError, Reporter, Silent
 
@@ -61,9 +61,7 @@ def verify(
     """
     options, reporter = options or CalibrationOptions(), reporter or Silent()
     dataset = open_recording(dataset, reporter)
-    levels = _noise_levels(dataset, calibration)
-    if calibration.verdict is not None and not calibration.verdict.usable:
-        reporter.note(f"the calibration itself was {calibration.verdict.message}")
+    levels = noise_levels_for(dataset, calibration, reporter)
     if len(dataset) < MIN_VIEWS:
         raise InsufficientDataError(f"{dataset.folder}: needs {MIN_VIEWS} views, has {len(dataset)}")
     points = find_points(dataset, options, reporter)
@@ -82,18 +80,6 @@ def verify(
     )
     progress(1, 1)
     return Verification(summary, _view_errors(summary), rms)
-
-
-def _noise_levels(dataset: Dataset, calibration: Calibration) -> NoiseLevels:
-    if calibration.noise_levels is None:
-        raise FileFormatError(
-            "calibration: needs covariance and noise levels (schema_version 2), given version 1; calibrate again"
-        )
-    size = (calibration.image_width, calibration.image_height)
-    if size != (dataset.camera.width, dataset.camera.height):
-        given = f"{dataset.camera.width} x {dataset.camera.height}"
-        raise FileFormatError(f"{dataset.folder}: needs images of {size[0]} x {size[1]} as calibrated, has {given}")
-    return calibration.noise_levels
 
 
 def _params(levels: NoiseLevels, points: ImagePoints) -> cah.VerifyParams:
