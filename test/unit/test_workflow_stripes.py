@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from support.exact_recording import exact_recording
+from support.stripe_recording import stripe_image
 
 from cv_active_handeye.calibration import Calibration
 from cv_active_handeye.config import CalibrationOptions
@@ -18,17 +18,7 @@ from cv_active_handeye.report.errors import angle_between_deg
 from cv_active_handeye.workflow import Silent, calibrate, calibrate_with_evidence
 from cv_active_handeye.workflow.evidence import find_stripes
 
-SIGMA, POINT_NOISE_PX = 1.5, 0.02
-
-
-def stripe_image(stripe: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """A Gaussian stripe through pixels (M, 2) on a dark image with noise; columns outside of the stripe stay dark."""
-    order = np.argsort(stripe[:, 0])
-    columns = np.arange(640)
-    centre = np.interp(columns, stripe[order, 0], stripe[order, 1], left=-99, right=-99)
-    profile = np.exp(-0.5 * ((np.arange(480)[:, None] - centre) / SIGMA) ** 2)
-    noise = np.random.default_rng(int(stripe[0, 1] * 1e6)).normal(0, 1, (480, 640))
-    return np.asarray(np.clip(20 + 180 * profile + noise, 0, 255), np.uint8)
+POINT_NOISE_PX = 0.02
 
 
 def recording_with_stripes(folder: Path, surface: int, turned: bool = False) -> Dataset:

@@ -15,7 +15,6 @@ import cv_active_handeye as cah
 from ..calibration import Calibration
 from ..dataset import Dataset
 from ..files import FloatArray
-from ..report.words import views_listed
 from .evidence import open_recording
 from .profiles import Profile, Profiler, column_scatter, find_profiles, profiler
 from .reporter import InsufficientDataError, Reporter, Silent
@@ -72,8 +71,6 @@ def _cloud(tool: Profiler, profiles: list[Profile], max_sigma: float | None, rep
         else:
             parts.append(part)
         progress(done, len(profiles))
-    if empty:
-        reporter.note(f"{views_listed(empty)}: skipped, no stripe was found")
     if not parts:
         raise InsufficientDataError(
             f"{tool.dataset.folder}: needs a stripe in a laser image, found none in {len(profiles)}; is the laser on, "
@@ -96,13 +93,14 @@ def _placed(
 ) -> tuple[FloatArray, FloatArray, NDArray[np.float32], NDArray[np.int32]] | None:
     """Points, sigmas, intensity and view numbers of one profile; None when there are no points."""
     if len(profile.pixels) == 0:
+        reporter.note(f"view {profile.view}: skipped, no stripe was found")
         return None
     try:
         found = tool.locate(profile.view, profile.pixels, scatter * profile.sigmas)
     except cah.error as error:
         if getattr(error, "code", 0) != OUT_OF_RANGE:
             raise
-        reporter.note(f"view {profile.view}: {error}")
+        reporter.note(f"view {profile.view}: skipped, {error}")
         return None
     views = np.full(len(found.points), profile.view, np.int32)
     return found.points, worst_sigma(found.noise + found.shared), profile.intensity, views

@@ -1,0 +1,200 @@
+# SPDX-FileCopyrightText: 2026 active_handeye contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A scan's points lie on the true surfaces within their sigmas; views without a stripe and wrong files are told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.calibrations import closed_form
+from support.recordings import Notes, exact_dataset
+from support.stripe_recording import calibration_of_truth, laser_dataset, true_plane
+
+from cv_active_handeye.dataset import Dataset
+from cv_active_handeye.files import FileFormatError, FloatArray
+from cv_active_handeye.simulation import CellConfig, SimulatedCell, SimulatedView
+from cv_active_handeye.workflow import InsufficientDataError
+from cv_active_handeye.workflow.profiles import column_scatter, find_profiles, profiler
+from cv_active_handeye.workflow.reporter import Silent
+from cv_active_handeye.workflow.scan import Scan, scan, worst_sigma
+
+SURFACES = (0, 1, 2, 0, 1, 2)
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
+    return laser_dataset(tmp_path_factory.mktemp("scan") / "set", SURFACES)
+
+
+def heights(cloud: Scan, surfaces: tuple[int, ...] = SURFACES) -> list[FloatArray]:
+    """Distances of every view's points from the surface that its stripe crosses, m."""
+    planes = [true_plane(surface) for surface in surfaces]
+    found = []
+    for view, plane in enumerate(planes):
+        found.append(cloud.points[cloud.views == view] @ plane[:3] - plane[3])
+    return found
+
+
+def test_exact_calibration_puts_the_points_on_the_surfaces(recording: Dataset) -> None:
+    cloud = scan(recording, calibration_of_truth())
+    assert sorted(set(cloud.views.tolist())) == list(range(6))
+    assert len(cloud.points) == len(cloud.sigmas) == len(cloud.intensity) > 1000
+    for distances in heights(cloud):
+        # 0.02 px at 0.55 m, and a light plane under 60 degrees: some hundredths of a millimetre
+        assert np.abs(distances).mean() < 3e-5
+    assert cloud.empty_views == ()
+    assert 180 < np.median(cloud.intensity) <= 202
+
+
+def test_points_are_within_their_sigmas_of_the_surfaces(tmp_path: Path) -> None:
+    """Forty calibrations and robots, each off by what it says of itself. A sigma is that of the worst direction, so the
+    distances from a surface are at most as large as it says. Points of one scan share their errors: one ratio each."""
+    ratios = []
+    for seed in range(40):
+        surface = (seed % 3,)
+        cloud = scan(laser_dataset(tmp_path / str(seed), surface, robot_seed=100 + seed), calibration_of_truth(seed))
+        ratios.append(float(np.mean(heights(cloud, surface)[0] / cloud.sigmas)))
+    assert 0.6 < np.sqrt(np.mean(np.square(ratios))) < 1.2
+    assert np.mean(np.abs(ratios) < 1.96) >= 0.9
+
+
+def test_simulated_cell_is_scanned_within_the_sigmas(tmp_path: Path) -> None:
+    """The calibration is the truth; stripe and robot have errors. The sigmas follow the scatter of the columns."""
+    small = {"width": 160, "height": 120, "focal_px": 353.0, "texel_mm": 0.8, "laser_sigma_mm": 2.6, "seed": 2}
+    cell = SimulatedCell(CellConfig.model_validate({**small, "motion": "scan"}))
+    dataset = cell.record(tmp_path / "set", poses=cell.plan()[8:40:8])
+    truth = cell.truth
+    calibration = calibration_of_truth(
+        image_width=160,
+        image_height=120,
+        camera_matrix=truth.camera_matrix,
+        distortion_coefficients=truth.distortion_coefficients,
+        R_cam2gripper=truth.R_cam2gripper,
+        t_cam2gripper=truth.t_cam2gripper,
+        light_plane=truth.light_plane,
+        covariance=np.zeros((20, 20)),
+    )
+    cloud = scan(dataset, calibration)
+    assert 1.0 <= cloud.scatter < 3.0
+    ratios = np.concatenate([true_distances(cell, cloud, i) / cloud.sigmas[cloud.views == i] for i in range(4)])
+    assert len(ratios) > 300
+    assert 0.2 < np.median(ratios) < 1.0
+    assert np.mean(ratios < 2.5) > 0.9
+
+
+def true_distances(cell: SimulatedCell, cloud: Scan, view: int) -> FloatArray:
+    """How far each point of a view is from the nearest true point of its stripe, m."""
+    true, camera = np.eye(4), cell.truth
+    true[:3, :3], true[:3, 3] = camera.views[view].R_gripper2base, camera.views[view].t_gripper2base
+    stripe = cell.stripe(SimulatedView(true, np.zeros((1, 1), np.uint8), None, true, view)).points_3d
+    stripe = (stripe @ camera.R_cam2gripper.T + camera.t_cam2gripper) @ true[:3, :3].T + true[:3, 3]
+    apart = cloud.points[cloud.views == view][:, None] - stripe
+    return np.asarray(np.linalg.norm(apart, axis=2).min(axis=1))
+
+
+def test_points_beyond_the_limit_are_left_out_and_counted(recording: Dataset) -> None:
+    whole = scan(recording, calibration_of_truth())
+    limit = float(np.median(whole.sigmas))
+    part = scan(recording, calibration_of_truth(), max_sigma=limit)
+    keep = whole.sigmas <= limit
+    np.testing.assert_array_equal(part.points, whole.points[keep])
+    np.testing.assert_array_equal(part.views, whole.views[keep])
+    assert part.beyond_limit == (~keep).sum() > 0
+    assert part.sigmas.max() <= limit
+    with pytest.raises(InsufficientDataError, match=r"no point has a sigma of 0.0001 mm or less; the best of \d+ has"):
+        scan(recording, calibration_of_truth(), max_sigma=1e-7)
+
+
+def test_views_without_a_stripe_are_told_and_skipped(tmp_path: Path) -> None:
+    reporter = Notes()
+    cloud = scan(laser_dataset(tmp_path / "set", (0, None, 1, None)), calibration_of_truth(), reporter=reporter)
+    assert sorted(set(cloud.views.tolist())) == [0, 2]
+    assert cloud.empty_views == (1, 3)
+    assert reporter.notes == [f"view {view}: skipped, no stripe was found" for view in (1, 3)]
+    assert reporter.steps == ["finding the stripe in 4 images", "placing the points in the base frame"]
+
+
+def test_vertical_stripes_are_found_like_horizontal_ones(tmp_path: Path) -> None:
+    calibration = calibration_of_truth()
+    K, D, mirror = calibration.camera_matrix, calibration.distortion_coefficients, np.eye(3)[[1, 0, 2]]
+    assert calibration.light_plane is not None
+    changes = {
+        "image_width": 480,
+        "image_height": 640,
+        "camera_matrix": mirror @ K @ mirror,
+        "distortion_coefficients": D[[0, 1, 3, 2, 4]],
+        "light_plane": np.append(mirror @ calibration.light_plane[:3], calibration.light_plane[3]),
+    }
+    mirrored = calibration.model_copy(update=changes)
+    turned = profiler(laser_dataset(tmp_path / "a", (0,), turned=True), mirrored, Silent())
+    straight = profiler(laser_dataset(tmp_path / "b", (0,)), calibration, Silent())
+    a, b = find_profiles(turned, [0], Silent()), find_profiles(straight, [0], Silent())
+    assert (turned.along, straight.along) == (1, 0)
+    np.testing.assert_array_equal(a[0].pixels[:, ::-1], b[0].pixels)
+    np.testing.assert_array_equal(a[0].intensity, b[0].intensity)
+    assert column_scatter(a, 1) == column_scatter(b, 0)
+
+
+def test_no_stripe_at_all_cannot_answer(tmp_path: Path) -> None:
+    with pytest.raises(InsufficientDataError, match="needs a stripe in a laser image, found none in 2; is the"):
+        scan(laser_dataset(tmp_path / "set", (None, None)), calibration_of_truth())
+
+
+def test_data_set_without_laser_images_cannot_answer(tmp_path: Path) -> None:
+    with pytest.raises(InsufficientDataError, match="needs views with an image taken with the laser on, has 0"):
+        scan(exact_dataset(tmp_path / "set"), calibration_of_truth())
+
+
+def test_calibration_without_light_plane_is_refused(recording: Dataset) -> None:
+    with pytest.raises(FileFormatError, match="needs a light plane, has none; record laser images"):
+        scan(recording, calibration_of_truth(light_plane=None))
+
+
+def test_calibration_of_version_1_is_refused(recording: Dataset) -> None:
+    with pytest.raises(FileFormatError, match=r"\(schema_version 2\), given version 1"):
+        scan(recording, closed_form())
+
+
+def test_images_of_another_size_are_refused(recording: Dataset) -> None:
+    with pytest.raises(FileFormatError, match="needs images of 1280 x 480 as calibrated, has 640 x 480"):
+        scan(recording, calibration_of_truth(image_width=1280))
+
+
+def test_views_whose_rays_miss_the_light_plane_are_told_and_skipped(recording: Dataset) -> None:
+    """A light plane beside the camera, from which half of the image looks away."""
+    reporter = Notes()
+    cloud = scan(recording, calibration_of_truth(light_plane=[1.0, 0.0, 0.0, 0.1]), reporter=reporter)
+    assert len(cloud.empty_views) > 0
+    assert not set(cloud.empty_views) & set(cloud.views.tolist())
+    for view, note in zip(cloud.empty_views, reporter.notes, strict=True):
+        assert note.startswith(f"view {view}: skipped, stripePoints: needed pixels whose rays meet the light plane")
+
+
+def test_parameter_that_was_not_observed_makes_sigmas_infinite(recording: Dataset) -> None:
+    covariance = calibration_of_truth().covariance.copy()
+    covariance[13, 13] = np.inf
+    cloud = scan(recording, calibration_of_truth(covariance=covariance))
+    assert np.isinf(cloud.sigmas).all()
+    assert np.isfinite(cloud.points).all()
+
+
+def test_worst_sigma_is_that_of_the_longest_axis() -> None:
+    Q = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+    C = np.array([Q @ np.diag([1.0, 9.0, 4.0]) @ Q.T, np.diag([np.inf, 1.0, 1.0])])
+    np.testing.assert_allclose(worst_sigma(C), [3.0, np.inf])
+
+
+def test_scatter_is_one_for_columns_that_are_as_good_as_they_say(recording: Dataset) -> None:
+    tool = profiler(recording, calibration_of_truth(), Silent())
+    profiles = find_profiles(tool, [0, 1, 2], Silent())
+    rng = np.random.default_rng(5)
+    for factor in (0.5, 1.0, 3.0):
+        noisy = []
+        for profile in profiles:
+            x = profile.pixels[:, 0]
+            y = 200 + 0.1 * x + 1e-4 * x**2 + factor * profile.sigmas * rng.normal(size=len(x))
+            noisy.append(profile._replace(pixels=np.column_stack([x, y]), segments=np.zeros(len(x), np.int32)))
+        assert column_scatter(noisy, 0) == pytest.approx(max(1.0, factor), rel=0.05)
+    assert column_scatter([], 0) == 1.0
