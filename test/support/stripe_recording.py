@@ -6,12 +6,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from support.calibrations import refined
-from support.exact_recording import exact_recording
+from support.exact_recording import exact_recording, stripe_in_camera
 
 import cv_active_handeye as cah
 from cv_active_handeye.calibration import Calibration
@@ -39,28 +41,58 @@ def stripe_image(stripe: Array, seed: int | None = None) -> NDArray[np.uint8]:
     return np.asarray(np.clip(20 + 180 * profile + noise, 0, 255), np.uint8)
 
 
+class Stop(NamedTuple):
+    """Pose of the gripper, and the stripe (M, 2) px that the camera sees there; None = the laser is off."""
+
+    R: Array
+    t: Array
+    stripe: Array | None
+
+
 def laser_dataset(
     folder: Path, surfaces: Sequence[int | None], turned: bool = False, robot_seed: int | None = None
 ) -> Dataset:
     """One view for every entry of `surfaces`: the stripe crosses this surface; None = the laser is off.
 
-    turned: image and laser with swapped axes; robot_seed: the poses of the robot are off by `ROBOT_M`, `ROBOT_RAD`.
+    turned: image and laser with swapped axes; robot_seed: see `record`.
     """
-    truth, rng = exact_recording(), np.random.default_rng(robot_seed)
-    scale = robot_seed is not None
+    truth = exact_recording()
+    stripes = [None if k is None else truth.stripePoints[3 * view + k] for view, k in enumerate(surfaces)]
+    poses = zip(truth.R_gripper2base, truth.t_gripper2base, stripes, strict=False)
+    return record(folder, [Stop(*stop) for stop in poses], turned, robot_seed)
+
+
+def record(folder: Path, stops: Sequence[Stop], turned: bool = False, robot_seed: int | None = None) -> Dataset:
+    """A data set with a laser image for every stop. robot_seed: the robot is off by `ROBOT_M`, `ROBOT_RAD`."""
+    rng, off = np.random.default_rng(robot_seed), robot_seed is not None
     camera = CameraInfo(width=480, height=640) if turned else CameraInfo(width=640, height=480)
     laser = LaserInfo(stripe="vertical" if turned else "horizontal")
     dataset = Dataset.create(folder, camera=camera, laser=laser)
-    for view, surface in enumerate(surfaces):
-        dark = np.full((480, 640), 20, np.uint8)
-        image = dark if surface is None else stripe_image(truth.stripePoints[3 * view + surface])
-        turn = Rotation.from_rotvec(scale * ROBOT_RAD * rng.normal(size=3)).as_matrix()
-        dataset.add_view(
-            turn @ truth.R_gripper2base[view],
-            truth.t_gripper2base[view] + scale * ROBOT_M * rng.normal(size=3),
-            laser_image=np.ascontiguousarray(image.T) if turned else image,
-        )
+    for R, t, stripe in stops:
+        image = np.full((480, 640), 20, np.uint8) if stripe is None else stripe_image(stripe, robot_seed)
+        turn = Rotation.from_rotvec(off * ROBOT_RAD * rng.normal(size=3)).as_matrix()
+        shift = off * ROBOT_M * rng.normal(size=3)
+        dataset.add_view(turn @ R, t + shift, laser_image=np.ascontiguousarray(image.T) if turned else image)
     return dataset
+
+
+def stops_through(point: Array, surface: Array, views: Sequence[int]) -> tuple[list[Stop], Array]:
+    """The recording's stops `views`, moved until their stripes show `point` (base frame, on the plane `surface` (4,))
+    near the middle of the image; and its pixels (V, 2)."""
+    truth = exact_recording()
+    n, d, X, x = truth.lightPlane[:3], truth.lightPlane[3], truth.R_cam2gripper, truth.t_cam2gripper
+    in_light = np.array([0.01, 0.0, (d - 0.01 * n[0]) / n[2]])
+    stops, pixels = [], []
+    for view in views:
+        R = truth.R_gripper2base[view]
+        t = point - R @ (X @ in_light + x)
+        in_camera = np.append(surface[:3] @ R @ X, surface[3] - surface[:3] @ (R @ x + t))
+        seen = np.vstack([stripe_in_camera(in_camera, truth.lightPlane), in_light])
+        image = cv2.projectPoints(seen, np.zeros(3), np.zeros(3), truth.cameraMatrix, truth.distCoeffs)[0]
+        found: Array = image.reshape(-1, 2).astype(np.float64)
+        stops.append(Stop(R, t, found[:-1]))
+        pixels.append(found[-1])
+    return stops, np.array(pixels)
 
 
 def true_plane(surface: int) -> Array:
