@@ -14,6 +14,7 @@ from support.exact_recording import exact_recording
 
 import cv_active_handeye as cah
 from cv_active_handeye.report import picture_motion, picture_stripe, picture_tracks
+from cv_active_handeye.report.cloud_picture import picture_cloud
 from cv_active_handeye.report.pictures import GROUP_COLOURS, UNSURE_COLOUR
 
 
@@ -62,3 +63,18 @@ def test_motion_has_one_colour_for_every_orientation(tmp_path: Path) -> None:
     picture_motion(tmp_path / "motion.png", *poses, groups, (0.2, 0.2))
     for colour in GROUP_COLOURS[:4]:
         assert share_of(tmp_path / "motion.png", colour) > 3e-4, colour
+
+
+@pytest.mark.parametrize("shape", ["tall", "wide", "one profile", "one point"])
+def test_cloud_has_the_colours_of_height_and_sigma(tmp_path: Path, shape: str) -> None:
+    size = {"tall": (0.1, 0.3), "wide": (0.4, 0.05), "one profile": (0.0, 0.2), "one point": (0.0, 0.0)}[shape]
+    a, b = np.meshgrid(*(np.linspace(0, s, 60 if s else 1) for s in size))
+    points = np.column_stack([a.ravel(), 0.02 * b.ravel(), b.ravel()])  # thinnest along y
+    sigmas = np.linspace(1e-4, 3e-4, len(points))
+    sigmas[-1] = np.inf
+    picture_cloud(tmp_path / "cloud.png", points, sigmas)
+    image = cv2.imread(str(tmp_path / "cloud.png"))
+    assert image is not None
+    assert 400 < image.shape[0] < 1500
+    for colour in ("#440154", "#21918c", "#fde725", "#f0f921", "#cc4778", "#0d0887"):  # viridis and plasma
+        assert share_of(tmp_path / "cloud.png", colour) > 2e-4, colour
