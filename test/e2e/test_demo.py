@@ -15,9 +15,13 @@ from support.command_line import run
 from cv_active_handeye.calibration import Calibration
 from cv_active_handeye.cli.console import Exit
 from cv_active_handeye.dataset import Dataset
-from cv_active_handeye.simulation import CellConfig, Truth
+from cv_active_handeye.files import FloatArray
+from cv_active_handeye.measured_points import read_point_rows
+from cv_active_handeye.simulation import CellConfig, SimulatedCell, SimulatedView, StripeTruth, Truth
 from cv_active_handeye.workflow import calibrate
 from cv_active_handeye.workflow.demo import MARKER, DemoResult, demo, prepare_folder
+from cv_active_handeye.workflow.measure import measure
+from cv_active_handeye.workflow.scan import scan
 from cv_active_handeye.workflow.simulate import simulate
 
 
@@ -170,3 +174,56 @@ def test_prepare_folder_refuses_a_folder_of_someone_else_and_a_file(tmp_path: Pa
     with pytest.raises(FileExistsError, match="was not written by the demo"):
         prepare_folder(tmp_path / "notes.txt")
     assert (tmp_path / "notes.txt").read_text() == "mine"
+
+
+@pytest.fixture(scope="module")
+def scanned(result: DemoResult) -> tuple[SimulatedCell, Dataset]:
+    """Four stops of a scan of the same cell."""
+    cell = SimulatedCell(CellConfig(seed=4, motion="scan"))
+    return cell, cell.record(result.folder.parent / "scan", poses=cell.plan()[5::9])
+
+
+def true_stripe(cell: SimulatedCell, view: int) -> tuple[StripeTruth, FloatArray]:
+    """The exact stripe of a recorded view, and its points (N, 3) in the base frame, m."""
+    pose, truth = np.eye(4), cell.truth
+    pose[:3, :3], pose[:3, 3] = truth.views[view].R_gripper2base, truth.views[view].t_gripper2base
+    stripe = cell.stripe(SimulatedView(pose, np.zeros((1, 1), np.uint8), None, pose, view))
+    in_gripper = stripe.points_3d @ truth.R_cam2gripper.T + truth.t_cam2gripper
+    return stripe, np.asarray(in_gripper @ pose[:3, :3].T + pose[:3, 3])
+
+
+def test_scan_lies_on_the_surfaces_of_the_cell(result: DemoResult, scanned: tuple[SimulatedCell, Dataset]) -> None:
+    cell, dataset = scanned
+    cloud = scan(dataset, result.calibration)
+    assert len(cloud.points) > 1500
+    distances = []
+    for view in range(4):
+        _, true = true_stripe(cell, view)
+        apart = cloud.points[cloud.views == view][:, None] - true
+        distances.append(np.linalg.norm(apart, axis=2).min(axis=1))
+    ratios = np.concatenate(distances) / cloud.sigmas
+    assert np.median(np.concatenate(distances)) < 2e-4
+    assert np.mean(ratios < 2.5) > 0.9
+
+
+def test_points_of_the_cell_are_measured_within_their_intervals(
+    result: DemoResult, scanned: tuple[SimulatedCell, Dataset]
+) -> None:
+    """Columns far from the ends of plane surfaces; the truth stands in the file as a touched point would."""
+    cell, dataset = scanned
+    lines = ["name,view,u,v,x,y,z"]
+    for view in range(4):
+        stripe, true = true_stripe(cell, view)
+        for k in range(20, len(true) - 20, 40):
+            around = slice(k - 16, k + 17)
+            plane = (stripe.surface_ids[around] == stripe.surface_ids[k]).all() and stripe.surface_ids[k] >= 0
+            if plane and np.ptp(stripe.points[around, 0]) == 32:
+                numbers = [*stripe.points[k], *(1000 * true[k])]
+                lines.append(f"S{len(lines)},{view}," + ",".join(f"{x:.5f}" for x in numbers))
+    points = result.folder.parent / "points.csv"
+    points.write_text("\n".join(lines) + "\n")
+    found = measure(dataset, result.calibration, read_point_rows(points))
+    assert len(found) > 15
+    errors = np.array([point.difference for point in found])
+    assert np.sqrt(np.mean(np.sum(errors**2, axis=1))) < 2.5e-4
+    assert np.mean(np.abs(errors) < [point.half_widths for point in found]) > 0.85

@@ -17,7 +17,7 @@ from support.stripe_recording import calibration_of_truth, laser_dataset, record
 from cv_active_handeye.dataset import Dataset
 from cv_active_handeye.files import FileFormatError
 from cv_active_handeye.measured_points import PointRow
-from cv_active_handeye.workflow.measure import LINE_SIGMA, MeasuredPoint, measure, stripe_line
+from cv_active_handeye.workflow.measure import LINE_SHARE, LINE_SIGMA, MeasuredPoint, measure, stripe_line
 from cv_active_handeye.workflow.profiles import Profile
 
 Array = NDArray[np.float64]
@@ -143,7 +143,7 @@ def test_vertical_stripe_is_measured_at_the_row(tmp_path: Path) -> None:
         (3, (320, 240), r"points.csv, row S 3: needs a view of the data set \(0 to 2\), given 3"),
         (2, (320, 240), r"within 10 px of \(320, 240\) in view 2; the view shows no stripe"),
         (0, (320, 20), r"within 10 px of \(320, 20\) in view 0; the stripe is at v = \d+\.\d there"),
-        (0, (5, 240), r"within 10 px of \(5, 240\) in view 0; the nearest point of the stripe is \(\d+, \d+\.\d\)"),
+        (0, (5, 240), r"within 10 px of \(5, 240\) in view 0; the nearest point of the stripe is \(\d+\.\d, \d+\.\d\)"),
     ],
 )
 def test_row_without_a_stripe_is_named(
@@ -191,6 +191,12 @@ def test_line_is_that_of_its_own_segment_up_to_the_edge() -> None:
     np.testing.assert_allclose(stripe_line(swapped, row("S", 0, (40.0, 80.0)), 1, 1.0)[0], [40, 80], atol=1e-9)
 
 
+def test_column_on_no_straight_piece_is_named() -> None:
+    curved = corner()._replace(segments=np.full(121, -1, np.int32))
+    with pytest.raises(FileFormatError, match=r"in view 0; the stripe is not straight around \(81.0, 40.5\)"):
+        stripe_line(curved, row("S", 0, (80.0, 42.0)), 0, 1.0)
+
+
 def test_sigma_of_a_line_follows_the_scatter_of_its_columns() -> None:
     errors, sigmas = [], []
     for seed in range(200):
@@ -198,7 +204,7 @@ def test_sigma_of_a_line_follows_the_scatter_of_its_columns() -> None:
         profile = corner()._replace(pixels=np.column_stack([corner().pixels[:, 0], rows]))
         pixel, sigma = stripe_line(profile, row("S", 0, (80.0, 40.0)), 0, 2.0)
         errors.append(pixel[1] - 40.0)
-        sigmas.append(np.sqrt(sigma**2 - LINE_SIGMA**2))
+        sigmas.append(np.sqrt(sigma**2 - (LINE_SHARE * 0.1) ** 2))
     assert np.std(errors) == pytest.approx(np.mean(sigmas), rel=0.15)
     assert np.std(errors) < 0.1 / 4
 

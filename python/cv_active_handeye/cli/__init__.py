@@ -22,11 +22,12 @@ def _missing(name: str) -> Callable[[], object]:
 
 app: Callable[[], object]
 try:
-    from . import application, commands, laser
+    from . import application
+    from . import commands as commands
+    from . import laser as laser
 except ModuleNotFoundError as error:
     if error.name not in EXTRA:
         raise
     app = _missing(error.name)
 else:
     app = application.app
-    del commands, laser

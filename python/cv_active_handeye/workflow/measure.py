@@ -35,8 +35,9 @@ REACH = 3.0
 NEAR = 10.0
 """Pixels between the stripe and the pixel that names it."""
 
-LINE_SIGMA = 0.02
-"""Pixels that even the best line is uncertain by: neighbouring columns share grain and texture."""
+LINE_SIGMA, LINE_SHARE = 0.02, 1 / 3
+"""Pixels that even the best line is uncertain by, or this share of a column's sigma, whichever is more: neighbouring
+columns share grain, texture and the edge that cuts the stripe."""
 
 DISAGREEMENT = 16.27
 """Quantile 99.9 % of chi-square with three degrees of freedom."""
@@ -145,9 +146,10 @@ def _line(profile: Profile, number: int, start: float, along: int, scatter: floa
     on &= np.abs(distance) <= HALF_WINDOW
     if on.sum() < LEAST_COLUMNS:
         return None
-    weights = 1 / (scatter * profile.sigmas[on])
-    line, C = np.polyfit(distance[on], profile.pixels[on, 1 - along], 1, w=weights, cov="unscaled")
-    return float(line[1]), float(np.hypot(np.sqrt(C[1, 1]), LINE_SIGMA))
+    sigmas = scatter * profile.sigmas[on]
+    line, C = np.polyfit(distance[on], profile.pixels[on, 1 - along], 1, w=1 / sigmas, cov="unscaled")
+    common = max(LINE_SIGMA, LINE_SHARE * float(np.median(sigmas)))
+    return float(line[1]), float(np.hypot(np.sqrt(C[1, 1]), common))
 
 
 def _nothing_near(profile: Profile, row: PointRow, along: int, best: tuple[float, float] | None) -> str:
@@ -157,8 +159,10 @@ def _nothing_near(profile: Profile, row: PointRow, along: int, best: tuple[float
         return f"{needed}; the view shows no stripe"
     if best is not None:
         return f"{needed}; the stripe is at {'vu'[along]} = {best[0]:.1f} there"
-    nearest = profile.pixels[np.argmin(np.hypot(*(profile.pixels - [row.u, row.v]).T))]
-    return f"{needed}; the nearest point of the stripe is ({nearest[0]:.0f}, {nearest[1]:.1f})"
+    far = np.hypot(*(profile.pixels - [row.u, row.v]).T)
+    u, v = profile.pixels[np.argmin(far)]
+    why = "the stripe is not straight around" if far.min() <= NEAR else "the nearest point of the stripe is"
+    return f"{needed}; {why} ({u:.1f}, {v:.1f})"
 
 
 def _mean(rows: Sequence[PointRow], seen: Sequence[_Seen], reporter: Reporter) -> MeasuredPoint:
