@@ -12,7 +12,7 @@ import pytest
 
 import cv_active_handeye as cah
 from benchmark import degenerate, lens_models, opencv_boards, protocols, robust
-from benchmark.degenerate_sets import KINDS, Kind, few_points
+from benchmark.degenerate_sets import KINDS, Kind, few_points, tiny_translations
 from benchmark.protocol_sets import koide_set, visp_set
 from benchmark.refine import QUANTITIES
 from benchmark.refine_trials import Case, Outcomes, trial
@@ -57,6 +57,14 @@ def test_a_badly_determined_lens_that_holds_the_other_parameters_is_refused() ->
     assert answer.refused
     assert "lens distortion: badly determined" in answer.text
     assert "hang on it" in answer.text
+
+
+def test_a_scale_that_only_the_errors_of_the_robot_give_is_refused() -> None:
+    """Groups of one reported place: the fit shrinks the scene to 6 mm and takes the robot for exact to 0.5 um."""
+    answer = degenerate.trial(tiny_translations, 2001, 166)
+    assert answer.refused
+    assert "t_cam2gripper along gripper" in answer.text
+    assert "badly determined" in answer.text
 
 
 @pytest.mark.parametrize("name", robust.SPOILERS)

@@ -91,6 +91,7 @@ private:
     void requireRedundancy() const;
     std::vector<WeakDirection> weakDirectionsOf(const VarianceComponents& components) const;
     double deviationsHeldByLens();
+    std::vector<WeakDirection> weakDirectionsOfReportedMotion() const;
     void summarizeParameters(RefineSummary& summary) const;
     void summarizeNoise(RefineSummary& summary) const;
     void summarizeResiduals(RefineSummary& summary) const;
