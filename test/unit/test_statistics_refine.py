@@ -77,6 +77,14 @@ def test_what_is_wrong_is_named_and_does_not_spoil_the_result(name: str) -> None
     assert np.mean([share for _, _, share, _ in found]) > 0.9
 
 
+@pytest.mark.parametrize("number", [23, 124])
+def test_a_group_with_the_orientation_of_another_does_not_place_the_scene(number: int) -> None:
+    """Ten of 24 views count as one group, half of them with a wrong pose: the scene must come from the others alone."""
+    _, spoiled, share, blamed = robust.trial(robust.SPOILERS["one group mislabelled"], 1, number)
+    assert np.isfinite(spoiled).all()
+    assert (share, blamed) == (1.0, 0)
+
+
 def test_a_lens_without_distortion_is_seen_as_such() -> None:
     case, lens = Case("24 stops"), lens_models.LENSES[0]
     chosen = [lens_models.trial(case, lens, SEED, number)[0].lens_model for number in range(12)]

@@ -67,6 +67,7 @@ private:
     bool leaveOut(double limit);
     void leaveOutUnseenViews(const std::vector<double>& errors, double limit);
     void fitWithoutWrongMatches();
+    std::vector<double> usedErrors() const; //!< px
     void firstNoiseLevels(double scale);
     bool isDoubted(int view) const;
     double beliefInView(int view) const;
