@@ -77,6 +77,8 @@ HEADLINES = (
     Headline(
         "speed", "closed forms / fastest*", "whole closed form, 24 views x 200 points: time / `cv2.calibrateHandEye`"
     ),
+    Headline("refine_speed", "*fastest of Ceres", "refinement, 24 views x 200 points: time / the best solver of Ceres"),
+    Headline("refine_speed", "scipy*", "- times as fast as `scipy.optimize.least_squares`"),
     Headline("tracking", "*sigma*", "tracks of the default scene: robust sigma [px]"),
 )
 

@@ -12,7 +12,7 @@ import pytest
 
 import cv_active_handeye as cah
 from benchmark import degenerate, lens_models, opencv_boards, protocols, robust
-from benchmark.degenerate_sets import KINDS, Kind, few_points
+from benchmark.degenerate_sets import KINDS, Kind, few_points, tiny_translations
 from benchmark.protocol_sets import koide_set, visp_set
 from benchmark.refine import QUANTITIES
 from benchmark.refine_trials import Case, Outcomes, trial
@@ -59,6 +59,14 @@ def test_a_badly_determined_lens_that_holds_the_other_parameters_is_refused() ->
     assert "hang on it" in answer.text
 
 
+def test_a_scale_that_only_the_errors_of_the_robot_give_is_refused() -> None:
+    """Groups of one reported place: the fit shrinks the scene to 6 mm and takes the robot for exact to 0.5 um."""
+    answer = degenerate.trial(tiny_translations, 2001, 166)
+    assert answer.refused
+    assert "t_cam2gripper along gripper" in answer.text
+    assert "badly determined" in answer.text
+
+
 @pytest.mark.parametrize("name", robust.SPOILERS)
 def test_what_is_wrong_is_named_and_does_not_spoil_the_result(name: str) -> None:
     found = [robust.trial(robust.SPOILERS[name], SEED, number) for number in range(3)]
@@ -67,6 +75,14 @@ def test_what_is_wrong_is_named_and_does_not_spoil_the_result(name: str) -> None
     bounds = np.sqrt(np.mean(clean**2, axis=0))
     assert np.sqrt(np.mean(spoiled**2, axis=0))[bounds > 0] == pytest.approx(bounds[bounds > 0], abs=3 * bounds.max())
     assert np.mean([share for _, _, share, _ in found]) > 0.9
+
+
+@pytest.mark.parametrize("number", [23, 124])
+def test_a_group_with_the_orientation_of_another_does_not_place_the_scene(number: int) -> None:
+    """Ten of 24 views count as one group, half of them with a wrong pose: the scene must come from the others alone."""
+    _, spoiled, share, blamed = robust.trial(robust.SPOILERS["one group mislabelled"], 1, number)
+    assert np.isfinite(spoiled).all()
+    assert (share, blamed) == (1.0, 0)
 
 
 def test_a_lens_without_distortion_is_seen_as_such() -> None:

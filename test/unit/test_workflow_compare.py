@@ -4,15 +4,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from rich.console import Console
 from scipy.spatial.transform import Rotation
 from support.calibrations import refined
 
+from cv_active_handeye.cli.tables import cameras_table
 from cv_active_handeye.dataset import CameraInfo, Dataset
 from cv_active_handeye.workflow import BoardSpec, InsufficientDataError, compare
 from cv_active_handeye.workflow.boards import find_board
@@ -179,3 +182,15 @@ def test_board_that_is_not_there_is_refused_with_counts(tmp_path: Path) -> None:
 def test_board_texts_that_make_no_sense_are_refused(text: str, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         BoardSpec.parse(text)
+
+
+@needs_calibrate_hand_eye
+def test_table_of_cameras_on_a_narrow_terminal_cuts_no_digits_off(tmp_path: Path) -> None:
+    comparison = compare(recorded(tmp_path / "set"), BoardSpec.parse("points"))
+    distortion = np.array([-0.19, -0.71, -0.0012, -0.0034, 5.77])
+    comparison = replace(comparison, camera=replace(comparison.camera, distortion=distortion))
+    console = Console(width=80, record=True)
+    console.print(cameras_table(comparison))
+    text = console.export_text()
+    assert "…" not in text
+    assert all(number in text for number in ("900.", "905.", "320.", "240.", "-0.19", "-0.71", "5.77"))

@@ -67,6 +67,7 @@ private:
     bool leaveOut(double limit);
     void leaveOutUnseenViews(const std::vector<double>& errors, double limit);
     void fitWithoutWrongMatches();
+    std::vector<double> usedErrors() const; //!< px
     void firstNoiseLevels(double scale);
     bool isDoubted(int view) const;
     double beliefInView(int view) const;
@@ -91,6 +92,7 @@ private:
     void requireRedundancy() const;
     std::vector<WeakDirection> weakDirectionsOf(const VarianceComponents& components) const;
     double deviationsHeldByLens();
+    std::vector<WeakDirection> weakDirectionsOfReportedMotion() const;
     void summarizeParameters(RefineSummary& summary) const;
     void summarizeNoise(RefineSummary& summary) const;
     void summarizeResiduals(RefineSummary& summary) const;

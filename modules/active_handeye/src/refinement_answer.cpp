@@ -91,6 +91,23 @@ double HandEyeRefinement::deviationsHeldByLens()
         atStart.covariance().diagonal().head(f).cwiseQuotient(components_->covariance().diagonal().head(f)).maxCoeff());
 }
 
+/** As weakDirectionsOf(), with the motion that was reported instead of the one found.
+
+What is known from the corrections of the poses alone is noise taken for motion: where the reported motion does not determine the scale, a
+smaller scene needs smaller corrections, a more precise robot explains them, and so on until the scene is a point.
+*/
+std::vector<WeakDirection> HandEyeRefinement::weakDirectionsOfReportedMotion() const
+{
+    const bool allFixed[] = {true, true, true, true};
+    const double noFloors[] = {0, 0, 0, 0};
+    RefineProblem reported = problem_;
+    for (size_t view = 0; view < reported.reported.size(); ++view)
+        if (reported.unknowns.poses[view] == POSE_PRIOR)
+            reported.state.gripper2base[view] = reported.reported[view];
+    reported.linearizeData();
+    return weakDirectionsOf(VarianceComponents(reported, allFixed, noFloors));
+}
+
 void HandEyeRefinement::requireAnswer()
 {
     const std::vector<WeakDirection> weak = weakDirectionsOf(*components_);
@@ -99,7 +116,10 @@ void HandEyeRefinement::requireAnswer()
     requireRedundancy();
     const double largestRatio = 1.5;
     const std::vector<WeakDirection>::const_iterator lens = std::find_if(weak.begin(), weak.end(), isLens);
-    std::string refused = refusalOf(weak, tracks_.anyKnown() ? refusedLimitWithKnownPoints : refusedLimit);
+    const double limit = tracks_.anyKnown() ? refusedLimitWithKnownPoints : refusedLimit;
+    std::string refused = refusalOf(weak, limit);
+    if (refused.empty())
+        refused = refusalOf(weakDirectionsOfReportedMotion(), limit);
     if (refused.empty() && lens != weak.end() && deviationsHeldByLens() > largestRatio)
         refused = lens->text + ", or give distCoeffs or a smaller lensModel: other parameters hang on it";
     if (!refused.empty())

@@ -45,12 +45,26 @@ void HandEyeRefinement::requireTracks() const
 static const double medianOfRayleigh = 1.1774; // of the length of two coordinates of standard deviation 1
 static const double wildError = 6;             // sigmas
 
+std::vector<double> HandEyeRefinement::usedErrors() const
+{
+    const std::vector<double> errors = normalizedErrors(tracks_, problem_.state);
+    std::vector<double> used;
+    for (size_t i = 0; i < errors.size(); ++i)
+        if (tracks_.observations[i].used)
+            used.push_back(errors[i]);
+    return used;
+}
+
 void HandEyeRefinement::findScene()
 {
     CalibrationState& state = problem_.state;
+    for (PointObservation& o : tracks_.observations)
+        o.used = !isDoubted(o.view); // its pose is found from what the others see
     triangulate(tracks_, std::numeric_limits<double>::infinity(), state);
-    double scale = median(normalizedErrors(tracks_, state)) / medianOfRayleigh;
+    double scale = median(usedErrors()) / medianOfRayleigh;
     triangulate(tracks_, wildError * scale, state);
+    for (PointObservation& o : tracks_.observations)
+        o.used = true;
 
     AlignedVector<Pose> poses = state.gripper2base;
     if (problem_.unknowns.poses[0] != POSE_EXACT)

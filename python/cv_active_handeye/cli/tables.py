@@ -142,6 +142,7 @@ def scores_table(comparison: Comparison) -> Table:
 def cameras_table(comparison: Comparison) -> Table:
     """The camera matrices behind the rows."""
     table = _table("camera", "source", "fx", "fy", "cx", "cy", "distortion")
+    table.columns[0].no_wrap = table.columns[-1].no_wrap = False  # rather than digits cut off on a narrow terminal
     cameras = {"OpenCV": (comparison.camera.camera_matrix, comparison.camera.distortion)}
     cameras |= {row.name: row.camera for row in comparison.rows if row.camera is not None}
     for name, (K, D) in cameras.items():
