@@ -118,6 +118,7 @@ void StripeFitter::load(const StripeStart* starts, int count, int margin)
     if (isWeighted_)
         loadWeighted(starts, count, margin);
     std::fill(isLoaded_ + count, isLoaded_ + FIT_LANES, 0.f);
+    std::fill(fit_->failed, fit_->failed + FIT_LANES, 1.f); // nothing to begin with
 }
 
 void StripeFitter::solve(double sigma)
@@ -131,7 +132,8 @@ void StripeFitter::solve(double sigma)
     fit.pixelNoise = float(pixelNoise_);
     for (int lane = 0; lane < FIT_LANES; ++lane)
     {
-        fit.centre[lane] = fit.height[lane] = 0;
+        if (fit.failed[lane] != 0)
+            fit.centre[lane] = fit.height[lane] = 0;
         fit.failed[lane] = 1 - isLoaded_[lane];
     }
     const StripeKernels& kernels = stripeKernels();
@@ -194,9 +196,9 @@ double StripeFitter::measureWidth(const std::vector<StripeStart>& starts)
     if (count == 0)
         return expectedSigma_;
     load(sample, count, int(std::ceil(marginInSigmas * expectedSigma_)));
-    const double octave = medianWidth(count, 0.5 * expectedSigma_ / std::cbrt(2.), std::cbrt(2.), 9); // half to twice
-    const double fine = 1.07;
-    const double width = medianWidth(count, octave / (fine * fine), fine, 5);
+    const double coarse = std::sqrt(2.), fine = 1.1;
+    const double rough = medianWidth(count, 0.5 * expectedSigma_, coarse, 5); // half to twice
+    const double width = medianWidth(count, rough / fine, fine, 3);
     return std::max(0.5 * expectedSigma_, std::min(2 * expectedSigma_, width));
 }
 

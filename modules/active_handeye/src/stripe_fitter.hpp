@@ -55,7 +55,7 @@ private:
     bool growOverPlateau(int x, Rows& rows) const;
     void loadColumn(int lane, int x, const Rows& rows, int first);
     void normaliseAlbedo(int lane, int first, int last);
-    void solve(double sigma);
+    void solve(double sigma); //!< from the solution before, as far as the same columns are loaded
     double medianWidth(int lanes, double smallest, double ratio, int count);
     void append(const StripeStart* starts, int count, double sigma, std::vector<StripePoint>& points) const;
 
