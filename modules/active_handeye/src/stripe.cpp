@@ -4,8 +4,8 @@
 
 #include "precomp.hpp"
 #include "input.hpp"
-#include "stripe_centre.hpp"
-#include "stripe_peaks.hpp"
+#include "stripe_fitter.hpp"
+#include "stripe_search.hpp"
 
 namespace cv { namespace active_handeye {
 
@@ -37,141 +37,124 @@ static void checkParams(const StripeParams& params)
 
 namespace {
 
-struct StripePoint
-{
-    int column;
-    double centre, sigma;
-    double misfit, height; //!< grey levels
-};
-
-double median(std::vector<double>& values)
-{
-    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-    return values[values.size() / 2];
-}
-
-//! From the peaks of the columns to the centre line.
+//! From an image to the centre line. Keeps its memory from frame to frame.
 class StripeDetector
 {
 public:
-    StripeDetector(const StripeFrame& frame, const StripeParams& params)
-        : frame_(frame), params_(params), peaks_(findStripePeaks(frame, params.sigma)), width_(params.sigma)
-    {}
-
-    std::vector<StripePoint> run()
+    const std::vector<StripePoint>& run(const Mat& image, const Mat& background, const StripeParams& params)
     {
-        findClearColumns();
-        width_ = measureWidth();
-        std::vector<StripePoint> points;
-        points.reserve(clear_.size());
-        for (int column : clear_)
-        {
-            StripeProfile profile;
-            if (fitColumn(column, false, profile))
-                points.push_back(StripePoint{column, profile.centre, profile.centreSigma, profile.misfit,
-                                             profile.height});
-        }
-        return withoutShortRuns(withoutMisfits(points));
+        frame_.set(image, background, params.orientation == STRIPE_VERTICAL, params.saturation);
+        search_.run(frame_, params.sigma, params.maxSecondPeak);
+        fitter_.begin(frame_, search_.pixelNoise, params.sigma);
+        points_.clear();
+        findClearColumns(params);
+        const double width =
+            fitter_.measureWidth(starts_); // wider than sigma where the stripe is oblique or out of focus
+        fitter_.fit(starts_, width, points_);
+        resolveDoublePeaks(params, width);
+        const double least = params.minContrast * frame_.saturation();
+        keepIf([least](const StripePoint& point) { return point.height >= least; });
+        removeMisfits();
+        removeShortRuns(params.minRun);
+        frame_.release();
+        return points_;
     }
 
 private:
-    void findClearColumns()
+    //! Starts at the columns with one clear peak; those with two are kept for later.
+    void findClearColumns(const StripeParams& params)
     {
-        const double significant = params_.minSnr * peaks_.heightNoise;
-        const double least = std::max(significant, params_.minContrast * frame_.saturation());
+        const double significant = params.minSnr * search_.heightNoise;
+        const double least = std::max(significant, params.minContrast * frame_.saturation());
+        starts_.clear();
+        doublePeaks_.clear();
         for (int x = 0; x < frame_.cols(); ++x)
-            if (peaks_.height[x] >= least &&
-                peaks_.second[x] <= std::max(significant, params_.maxSecondPeak * peaks_.height[x]))
-                clear_.push_back(x);
-    }
-
-    //! Median over a sample of columns; the profile is wider than sigma where the stripe is oblique or out of focus.
-    double measureWidth()
-    {
-        const size_t sampleSize = 100;
-        std::vector<double> widths;
-        for (size_t i = 0; i < clear_.size(); i += 1 + clear_.size() / sampleSize)
         {
-            StripeProfile profile;
-            if (fitColumn(clear_[i], true, profile))
-                widths.push_back(profile.sigma);
+            const StripePeak &best = search_.best[x], &second = search_.second[x];
+            if (best.row < 0 || !(best.height >= least))
+                continue;
+            if (second.height <= std::max(significant, params.maxSecondPeak * best.height))
+                starts_.push_back(StripeStart{x, best.row});
+            else
+                doublePeaks_.push_back(x);
         }
-        if (widths.size() < 5)
-            return params_.sigma;
-        return median(widths);
     }
 
-    bool fitColumn(int x, bool fitSigma, StripeProfile& profile)
+    /** Of two peaks the one on the line between the points at both sides, if the other one is not. */
+    void resolveDoublePeaks(const StripeParams& params, double width)
     {
-        int top = peaks_.row[x], bottom = top;
-        if (!growOverPlateau(x, top, bottom))
-            return false;
-        profile.centre = 0.5 * (top + bottom);
-        profile.sigma = width_;
-        const int margin = int(std::ceil(3.5 * width_));
-        top = std::max(0, top - margin);
-        bottom = std::min(frame_.rows() - 1, bottom + margin);
-        frame_.window(x, top, bottom, peaks_.pixelNoise, window_);
-        if (!fitStripeProfile(window_, peaks_.pixelNoise, fitSigma, profile))
-            return false;
-        return profile.height >= params_.minContrast * frame_.saturation();
+        const int longestGap = 200, tolerance = BoxKernel(params.sigma).outer;
+        const size_t clear = points_.size();
+        size_t right = 0;
+        starts_.clear();
+        for (int x : doublePeaks_)
+        {
+            while (right < clear && points_[right].column < x)
+                ++right;
+            if (right == 0 || right == clear || points_[right].column - points_[right - 1].column > longestGap)
+                continue;
+            const StripePoint &a = points_[right - 1], &b = points_[right];
+            const double line = a.centre + (b.centre - a.centre) * (x - a.column) / double(b.column - a.column);
+            const int rows[] = {search_.best[x].row, search_.second[x].row};
+            const bool isNear[] = {std::abs(rows[0] - line) <= tolerance, std::abs(rows[1] - line) <= tolerance};
+            if (isNear[0] != isNear[1])
+                starts_.push_back(StripeStart{x, isNear[0] ? rows[0] : rows[1]});
+        }
+        fitter_.fit(starts_, width, points_);
+        std::inplace_merge(points_.begin(), points_.begin() + clear, points_.end(),
+                           [](const StripePoint& a, const StripePoint& b) { return a.column < b.column; });
     }
 
-    //! Saturated pixels around the peak; false when they are too many to be a stripe.
-    bool growOverPlateau(int x, int& top, int& bottom) const
+    template <class Predicate>
+    void keepIf(const Predicate& isKept)
     {
-        const int largest = int(std::ceil(6 * params_.sigma));
-        if (!frame_.isSaturated(x, top))
-            return true;
-        while (top > 0 && bottom - top <= largest && frame_.isSaturated(x, top - 1))
-            --top;
-        while (bottom < frame_.rows() - 1 && bottom - top <= largest && frame_.isSaturated(x, bottom + 1))
-            ++bottom;
-        return bottom - top < largest;
+        points_.erase(std::remove_if(points_.begin(), points_.end(),
+                                     [&](const StripePoint& point) { return !isKept(point); }),
+                      points_.end());
     }
 
     //! Two stripes in one, as at a step, fit worse than the others; how well those fit depends on speckle and texture.
-    std::vector<StripePoint> withoutMisfits(const std::vector<StripePoint>& points) const
+    void removeMisfits()
     {
-        if (points.empty())
-            return points;
-        std::vector<double> ratios;
-        for (const StripePoint& point : points)
-            ratios.push_back(point.misfit / point.height);
-        const double limit = 3 * median(ratios);
-        std::vector<StripePoint> kept;
-        for (const StripePoint& point : points)
-            if (point.misfit <= std::max(2.5 * peaks_.pixelNoise, limit * point.height))
-                kept.push_back(point);
-        return kept;
+        if (points_.empty())
+            return;
+        ratios_.clear();
+        for (const StripePoint& point : points_)
+            ratios_.push_back(point.misfit / point.height);
+        std::nth_element(ratios_.begin(), ratios_.begin() + ratios_.size() / 2, ratios_.end());
+        const double limit = 3 * ratios_[ratios_.size() / 2], noise = 2.5 * search_.pixelNoise;
+        keepIf([=](const StripePoint& point) { return point.misfit <= std::max(noise, limit * point.height); });
     }
 
-    bool areNeighbours(const StripePoint& a, const StripePoint& b) const
+    static bool areNeighbours(const StripePoint& a, const StripePoint& b)
     {
         const int columns = b.column - a.column;
         return columns <= 3 && std::abs(b.centre - a.centre) <= columns + 3 * (a.sigma + b.sigma);
     }
 
-    std::vector<StripePoint> withoutShortRuns(const std::vector<StripePoint>& points) const
+    void removeShortRuns(int minRun)
     {
-        std::vector<StripePoint> kept;
-        for (size_t begin = 0, end; begin < points.size(); begin = end)
+        size_t kept = 0;
+        for (size_t begin = 0, end; begin < points_.size(); begin = end)
         {
             end = begin + 1;
-            while (end < points.size() && areNeighbours(points[end - 1], points[end]))
+            while (end < points_.size() && areNeighbours(points_[end - 1], points_[end]))
                 ++end;
-            if (end - begin >= size_t(params_.minRun))
-                kept.insert(kept.end(), points.begin() + begin, points.begin() + end);
+            if (end - begin < size_t(minRun))
+                continue;
+            std::copy(points_.begin() + begin, points_.begin() + end, points_.begin() + kept);
+            kept += end - begin;
         }
-        return kept;
+        points_.resize(kept);
     }
 
-    const StripeFrame& frame_;
-    const StripeParams& params_;
-    const StripePeaks peaks_;
-    double width_;
-    std::vector<int> clear_;
-    StripeWindow window_;
+    StripeFrame frame_;
+    StripeSearch search_;
+    StripeFitter fitter_;
+    std::vector<StripeStart> starts_;
+    std::vector<int> doublePeaks_;
+    std::vector<StripePoint> points_;
+    std::vector<double> ratios_;
 };
 
 } // namespace
@@ -181,19 +164,18 @@ void detectStripe(InputArray image, OutputArray stripePoints, OutputArray sigmas
 {
     CV_TRACE_FUNCTION();
     checkParams(params);
-    const bool vertical = params.orientation == STRIPE_VERTICAL;
-    const StripeFrame frame(image.getMat(), background.getMat(), vertical, params.saturation);
-    const std::vector<StripePoint> points = StripeDetector(frame, params).run();
-    Eigen::MatrixX2d positions(points.size(), 2);
-    Eigen::VectorXd deviations(points.size());
-    for (size_t i = 0; i < points.size(); ++i)
+    static thread_local StripeDetector detector;
+    const std::vector<StripePoint>& points = detector.run(image.getMat(), background.getMat(), params);
+    const int n = int(points.size()), along = params.orientation == STRIPE_VERTICAL ? 1 : 0;
+    stripePoints.create(n, 2, CV_64F);
+    sigmas.create(n, 1, CV_64F);
+    double *positions = stripePoints.getMat().ptr<double>(), *deviations = sigmas.getMat().ptr<double>();
+    for (int i = 0; i < n; ++i)
     {
-        positions(i, vertical ? 1 : 0) = points[i].column;
-        positions(i, vertical ? 0 : 1) = points[i].centre;
-        deviations(i) = points[i].sigma;
+        positions[2 * i + along] = points[i].column;
+        positions[2 * i + 1 - along] = points[i].centre;
+        deviations[i] = points[i].sigma;
     }
-    writeMatrix(positions, stripePoints);
-    writeMatrix(deviations, sigmas);
 }
 
 }} // namespace cv::active_handeye

@@ -35,40 +35,46 @@ static void requireSameFormat(const Mat& image, const Mat& background)
                  "background: needed the type of image (" + describe(image) + "), given " + describe(background));
 }
 
-StripeFrame::StripeFrame(const Mat& image, const Mat& background, bool vertical, double saturation)
-    : saturation_(saturation > 0           ? saturation
-                  : image.depth() == CV_8U ? 255
-                                           : 65535)
+void StripeFrame::set(const Mat& image, const Mat& background, bool vertical, double saturation)
 {
     requireImage(image);
     if (!background.empty())
         requireSameFormat(image, background);
-    image_ = image;
-    background_ = background;
-    if (!vertical)
-        return;
-    cv::transpose(image, image_);
-    if (!background.empty())
-        cv::transpose(background, background_);
+    saturation_ = saturation > 0 ? saturation : image.depth() == CV_8U ? 255 : 65535;
+    if (vertical)
+    {
+        cv::transpose(image, turnedImage_);
+        if (!background.empty())
+            cv::transpose(background, turnedBackground_);
+    }
+    image_ = vertical ? turnedImage_ : image;
+    background_ = background.empty() ? Mat() : vertical ? turnedBackground_ : background;
+}
+
+void StripeFrame::release()
+{
+    image_.release();
+    background_.release();
 }
 
 template <typename T>
-static void sumChannels(const T* pixels, int channels, int cols, float sign, float* out)
+static void addChannels(const T* pixels, int channels, int cols, float factor, float* out)
 {
     if (channels == 1)
         for (int x = 0; x < cols; ++x)
-            out[x] += sign * float(pixels[x]);
+            out[x] += factor * float(pixels[x]);
     else
         for (int x = 0; x < cols; ++x)
-            out[x] += sign * float(int(pixels[3 * x]) + int(pixels[3 * x + 1]) + int(pixels[3 * x + 2]));
+            out[x] += factor * float(int(pixels[3 * x]) + int(pixels[3 * x + 1]) + int(pixels[3 * x + 2]));
 }
 
 static void addRow(const Mat& source, int y, float sign, float* out)
 {
+    const float factor = sign / float(source.channels());
     if (source.depth() == CV_8U)
-        sumChannels(source.ptr<uchar>(y), source.channels(), source.cols, sign, out);
+        addChannels(source.ptr<uchar>(y), source.channels(), source.cols, factor, out);
     else
-        sumChannels(source.ptr<ushort>(y), source.channels(), source.cols, sign, out);
+        addChannels(source.ptr<ushort>(y), source.channels(), source.cols, factor, out);
 }
 
 void StripeFrame::signalRow(int y, float* out) const
@@ -85,57 +91,20 @@ static int channelValue(const Mat& source, int x, int y, int channel)
     return source.depth() == CV_8U ? int(source.ptr<uchar>(y)[i]) : int(source.ptr<ushort>(y)[i]);
 }
 
-double StripeFrame::pixel(const Mat& source, int x, int y) const
+float StripeFrame::level(const Mat& source, int x, int y)
 {
-    double sum = 0;
+    int sum = 0;
     for (int c = 0; c < source.channels(); ++c)
         sum += channelValue(source, x, y, c);
-    return sum / source.channels();
+    return float(sum) / float(source.channels());
 }
 
 bool StripeFrame::isSaturated(int x, int y) const
 {
-    for (int c = 0; c < channels(); ++c)
+    for (int c = 0; c < image_.channels(); ++c)
         if (channelValue(image_, x, y, c) >= saturation_)
             return true;
     return false;
-}
-
-//! Background -> albedo relative to its mean, with as much contrast as stands out of the noise.
-static double normaliseAlbedo(std::vector<double>& albedo, double noise)
-{
-    double mean = 0, variance = 0;
-    for (double value : albedo)
-        mean += value / double(albedo.size());
-    for (double value : albedo)
-        variance += (value - mean) * (value - mean) / double(albedo.size());
-    const double contrast =
-        mean > 3 * noise ? std::max(0., 1 - 1.5 * noise * noise / std::max(variance, noise * noise)) : 0;
-    const double darkest = 0.05;
-    for (double& value : albedo)
-        value = contrast > 0 ? std::max(darkest, 1 + contrast * (value / mean - 1)) : 1;
-    return contrast > 0 ? mean : 0;
-}
-
-void StripeFrame::window(int x, int top, int bottom, double noise, StripeWindow& out) const
-{
-    const int size = bottom - top + 1;
-    out.top = top;
-    out.signal.resize(size);
-    out.valid.resize(size);
-    out.albedo.assign(size, 1.);
-    out.background = 0;
-    for (int i = 0; i < size; ++i)
-    {
-        out.signal[i] = pixel(image_, x, top + i);
-        out.valid[i] = !isSaturated(x, top + i);
-        if (background_.empty())
-            continue;
-        out.albedo[i] = pixel(background_, x, top + i);
-        out.signal[i] -= out.albedo[i];
-    }
-    if (!background_.empty())
-        out.background = normaliseAlbedo(out.albedo, noise / std::sqrt(2.));
 }
 
 }} // namespace cv::active_handeye

@@ -7,18 +7,6 @@
 
 namespace cv { namespace active_handeye {
 
-//! Pixels of one column around a stripe, all in grey levels of one channel.
-struct StripeWindow
-{
-    int top = 0;                //!< row of the first pixel
-    std::vector<double> signal; //!< image minus background
-    std::vector<double> albedo; //!< background relative to its mean in the window; 1 without background
-    double background = 0;      //!< that mean; 0 when albedo is not used
-    std::vector<char> valid;    //!< 0 where a channel is saturated
-
-    int size() const { return int(signal.size()); }
-};
-
 /** The images a stripe is searched in, turned so that there is one point per column.
 
 8 or 16 bit, 1 or 3 channels; the signal is the mean of the channels, laser on minus laser off.
@@ -27,26 +15,34 @@ class StripeFrame
 {
 public:
     //! Throws StsBadArg / StsBadSize when image or background cannot be used. saturation 0 = largest value of the type.
-    StripeFrame(const Mat& image, const Mat& background, bool vertical, double saturation);
+    void set(const Mat& image, const Mat& background, bool vertical, double saturation);
+
+    //! Forgets the caller's images.
+    void release();
 
     int rows() const { return image_.rows; }
     int cols() const { return image_.cols; }
     double saturation() const { return saturation_; }
+    bool hasBackground() const { return !background_.empty(); }
 
-    //! Sum over the channels of image minus background along row y; channels() times the signal.
+    //! One channel of 8 bits without background: row() is the signal.
+    bool isPlain() const { return image_.type() == CV_8UC1 && background_.empty(); }
+    const uchar* row(int y) const { return image_.ptr<uchar>(y); }
+    size_t step() const { return image_.step; }
+
+    //! Signal along row y.
     void signalRow(int y, float* out) const;
-    int channels() const { return image_.channels(); }
 
+    float signal(int x, int y) const { return level(image_, x, y) - background(x, y); }
+    float background(int x, int y) const { return background_.empty() ? 0 : level(background_, x, y); }
     bool isSaturated(int x, int y) const;
 
-    //! Rows [top, bottom] of column x. `noise` of a pixel of the signal: texture below it is not divided by.
-    void window(int x, int top, int bottom, double noise, StripeWindow& out) const;
-
 private:
-    double pixel(const Mat& source, int x, int y) const;
+    static float level(const Mat& source, int x, int y);
 
     Mat image_, background_;
-    double saturation_;
+    Mat turnedImage_, turnedBackground_; //!< their memory is used again
+    double saturation_ = 0;
 };
 
 }} // namespace cv::active_handeye

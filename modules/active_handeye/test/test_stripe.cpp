@@ -203,14 +203,34 @@ TEST(ActiveHandEye_detectStripe, GapsGiveNoPoints)
         EXPECT_FALSE(points.at<double>(i, 0) >= 200 && points.at<double>(i, 0) < 260);
 }
 
-TEST(ActiveHandEye_detectStripe, DoublePeakColumnsAreLeftOut)
+//! A second stripe of this brightness in some columns.
+Mat reflectionAt(int begin, int end, double brightness)
 {
-    StripeImage scene, reflection;
+    StripeImage reflection;
     reflection.centre = [](int) { return 90.; };
-    reflection.albedo = [](int x, int) { return x >= 300 && x < 350 ? 0.8 : 0.; };
+    reflection.albedo = [=](int x, int) { return x >= begin && x < end ? brightness : 0.; };
     reflection.offset = 0;
+    return reflection.render(true);
+}
+
+TEST(ActiveHandEye_detectStripe, OfTwoPeaksTheOneInLineWithItsNeighboursWins)
+{
+    const StripeImage scene;
+    for (double brightness : {0.8, 1.3}) // the reflection is the second peak, or the first
+    {
+        Mat points, sigmas;
+        detectStripe(scene.render(true) + reflectionAt(300, 350, brightness), points, sigmas);
+        const Accuracy a = accuracy(points, sigmas, scene.centre);
+        EXPECT_EQ(640u, a.count);
+        EXPECT_LE(a.rmse, 0.02);
+    }
+}
+
+TEST(ActiveHandEye_detectStripe, DoublePeaksWithoutNeighboursAtBothSidesAreLeftOut)
+{
+    const StripeImage scene;
     Mat points, sigmas;
-    detectStripe(scene.render(true) + reflection.render(true), points, sigmas);
+    detectStripe(scene.render(true) + reflectionAt(0, 50, 0.8), points, sigmas);
     const Accuracy a = accuracy(points, sigmas, scene.centre);
     EXPECT_EQ(590u, a.count);
     EXPECT_LE(a.rmse, 0.02);

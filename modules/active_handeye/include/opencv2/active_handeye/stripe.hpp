@@ -28,7 +28,7 @@ struct CV_EXPORTS_W_SIMPLE StripeParams
                                 //!< width found in the image (half to twice this) is used; default 1.5
     CV_PROP_RW double minSnr;   //!< least height of a peak of the smoothed profile, in units of its noise; default 4.5
     CV_PROP_RW double minContrast;   //!< least height of the stripe as a fraction of the saturation level; default 0.02
-    CV_PROP_RW double maxSecondPeak; //!< a column is left out when its second peak is higher than this fraction of the
+    CV_PROP_RW double maxSecondPeak; //!< a column is doubtful when its second peak is higher than this fraction of the
                                      //!< first; default 0.6
     CV_PROP_RW double saturation;    //!< grey level from which a pixel is saturated; 0 = the largest value of the image
                                      //!< type (say 4095 for 12 bits in 16); default 0
@@ -40,8 +40,11 @@ struct CV_EXPORTS_W_SIMPLE StripeParams
 A smoothed second difference along each column finds the peak. Its centre is the least-squares fit of a Gaussian
 (the Gaussian-weighted centroid, iterated) to the pixels that are not saturated. With a background image the
 difference is explained as background times Gaussian, that is: subtract the background, then divide by it; this
-removes the error that edges of the texture under the stripe cause. Columns without a clear single peak (gaps,
-shadows, double peaks, noise) give no point.
+removes the error that edges of the texture under the stripe cause. Of two peaks the one in line with the points at
+both sides counts. Columns without a clear peak (gaps, shadows, noise, two peaks that are as likely) give no point.
+
+One channel of 8 bits without background and a horizontal stripe is the fastest. Memory of the search stays with the
+thread and is used again.
 
 @param[in] image 8 or 16 bit, 1 or 3 channels (their mean is used).
 @param[out] stripePoints `(Nx2)` float64 pixel positions in order of the columns (rows for STRIPE_VERTICAL); pixel
