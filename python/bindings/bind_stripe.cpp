@@ -93,9 +93,9 @@ using AssociateResult = py::typing::Tuple<py::array_t<int>, py::array_t<double>>
 
 DetectResult detect(const ArrayLike& frame, const OptionalArrayLike& background, const StripeParams& params)
 {
-    const cv::Mat on = image(frame, "image"), off = image(background, "background");
+    const Image on = image(frame, "image"), off = image(background, "background");
     cv::Mat points, sigmas;
-    unlocked([&] { detectStripe(on, points, sigmas, off, params); });
+    unlocked([&] { detectStripe(on.pixels, points, sigmas, off.pixels, params); });
     return py::make_tuple(array<double>(points), array<double>(sigmas));
 }
 

@@ -58,12 +58,11 @@ std::vector<int> sizesOf(const py::array& array)
 }
 
 template <typename T>
-cv::Mat imageOf(const py::array& values, const std::vector<int>& sizes)
+Image imageOf(const py::array& values, const std::vector<int>& sizes)
 {
     const auto contiguous = py::array_t<T, py::array::c_style>::ensure(values);
-    cv::Mat mat(sizes[0], sizes[1], CV_MAKETYPE(cv::traits::Depth<T>::value, sizes.size() == 3 ? sizes[2] : 1));
-    std::copy(contiguous.data(), contiguous.data() + contiguous.size(), reinterpret_cast<T*>(mat.data));
-    return mat;
+    const int type = CV_MAKETYPE(cv::traits::Depth<T>::value, sizes.size() == 3 ? sizes[2] : 1);
+    return Image{contiguous, cv::Mat(sizes[0], sizes[1], type, const_cast<T*>(contiguous.data()))};
 }
 
 } // namespace
@@ -96,10 +95,10 @@ std::vector<cv::Mat> matrices(const py::object& values, const std::string& name)
     return list;
 }
 
-cv::Mat image(const py::object& values, const std::string& name)
+Image image(const py::object& values, const std::string& name)
 {
     if (values.is_none())
-        return cv::Mat();
+        return Image();
     const py::array pixels = numbers(values, name);
     const std::vector<int> sizes(pixels.shape(), pixels.shape() + pixels.ndim());
     if (sizes.size() < 2 || (sizes.size() == 3 && sizes[2] != 1 && sizes[2] != 3))

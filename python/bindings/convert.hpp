@@ -44,8 +44,15 @@ cv::Mat optionalMatrix(const py::object& values, const std::string& name);
 //! One Mat per element of a sequence, or per slice of an array along its first axis.
 std::vector<cv::Mat> matrices(const py::object& values, const std::string& name);
 
-//! 8 or 16 bit grey or colour image, its element type kept; None becomes an empty Mat.
-cv::Mat image(const py::object& values, const std::string& name);
+//! The caller's pixels, not a copy of them: images are large. As in OpenCV, nobody may write to them during the call.
+struct Image
+{
+    py::object owner;
+    cv::Mat pixels;
+};
+
+//! 8 or 16 bit grey or colour image, its element type kept; None becomes an empty one.
+Image image(const py::object& values, const std::string& name);
 
 //! Copy of a Mat of element type T; a vector of n stays (n, 1), as in cv2.
 template <typename T>
