@@ -95,7 +95,6 @@ def test_open_refuses_a_folder_without_data_set(tmp_path: Path) -> None:
         Dataset.open(tmp_path / "absent")
 
 
-
 def test_half_written_data_set_opens_and_says_what_is_missing(tmp_path: Path) -> None:
     recording(tmp_path / "set", views=2)
     (tmp_path / "set/images/0001_laser.png").unlink()
