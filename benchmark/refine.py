@@ -23,7 +23,7 @@ from .scene import Array
 from .stops import STOPS_12
 from .world import NAMES, Noise
 
-LIMIT, STATED, SLACK, MAX_REFUSED = 1.05, 95.0, 2.0, 0.2
+LIMIT, STATED, SLACK, MAX_REFUSED = 1.05, 95.0, 2.0, 0.1
 QUANTITIES = {
     "fx [px]": ["fx"],
     "fy [px]": ["fy"],

@@ -28,7 +28,7 @@ from .scene import HEIGHT, WIDTH, Array
 from .stops import STOPS_24
 from .world import ROTATION, TRANSLATION, Noise, Recording
 
-LIMIT, NAMED, MAX_REFUSED = 1.5, 95.0, 2.0
+LIMIT, NAMED, MAX_REFUSED = 1.5, 95.0, 1.0
 CASE = Case("24 stops", Noise(0.1, 0.02, 0.005), STOPS_24, points=100)
 WRONG_SHARE, SLIP, TWIST_DEG = 0.2, 0.0005, 1.0
 CAMERA = [0, 1, 2, 3]

@@ -70,7 +70,8 @@ class Dataset:
         """Opens a data set, complete or not (see `problems`); `FileFormatError` names what cannot be read."""
         path = Path(folder)
         if not (path / FILE_NAME).is_file():
-            raise FileFormatError(f"{path}: is not a data set: it holds no {FILE_NAME}")
+            why = f"it holds no {FILE_NAME}" if path.is_dir() else "there is no such folder"
+            raise FileFormatError(f"{path}: is not a data set: {why}")
         content = read_yaml(path / FILE_NAME, "data set")
         check_schema_version(path / FILE_NAME, content, "data set", SCHEMA_VERSION)
         return cls(path, validate(Content, content, path / FILE_NAME))

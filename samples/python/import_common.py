@@ -11,12 +11,13 @@ from __future__ import annotations
 import argparse
 import csv
 from pathlib import Path
+from typing import cast
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from cv_active_handeye.dataset import CameraInfo, Dataset, LaserInfo
+from cv_active_handeye.dataset import CameraInfo, Dataset, Image, LaserInfo
 
 Array = NDArray[np.float64]
 
@@ -63,12 +64,13 @@ def import_folder(
     dataset = Dataset.create(target, camera=camera, laser=laser, description=description, planned_views=len(poses))
     complete = all((source / "images" / name).is_file() for name in poses)
     for name, T in poses.items():
-        image = cv2.imread(str(source / "images" / name), cv2.IMREAD_UNCHANGED) if complete else None
+        pixels = cv2.imread(str(source / "images" / name), cv2.IMREAD_UNCHANGED) if complete else None
+        image = cast("Image | None", pixels)
         dataset.add_view(
             nearest_rotation(T[:3, :3]),
             T[:3, 3],
-            image=image if laser is None else None,  # type: ignore[arg-type]
-            laser_image=image if laser is not None else None,  # type: ignore[arg-type]
+            image=image if laser is None else None,
+            laser_image=image if laser is not None else None,
         )
     dataset.set_image_points(*read_corners(source / "corners.csv", list(poses)))
     found = "with images" if complete else "without images"

@@ -91,6 +91,8 @@ def test_create_refuses_a_folder_that_holds_a_data_set(tmp_path: Path) -> None:
 def test_open_refuses_a_folder_without_data_set(tmp_path: Path) -> None:
     with pytest.raises(FileFormatError, match=r"holds no dataset\.yaml"):
         Dataset.open(tmp_path)
+    with pytest.raises(FileFormatError, match="there is no such folder"):
+        Dataset.open(tmp_path / "absent")
 
 
 def test_half_written_data_set_opens_and_says_what_is_missing(tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from cv_active_handeye.workflow.demo import LIMITS, MARKER, DemoResult, prepare_
 
 def result(errors: CalibrationErrors) -> DemoResult:
     found = refined()
+    assert found.light_plane is not None
     truth = Truth(
         seed=0,
         camera_matrix=found.camera_matrix,

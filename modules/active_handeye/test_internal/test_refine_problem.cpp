@@ -104,6 +104,22 @@ TEST(ActiveHandEye_RefineProblem, small_steps_go_where_the_columns_say)
     }
 }
 
+//! Steps with the weights of Huber's loss would still be on their way.
+TEST(ActiveHandEye_RefineProblem, clipped_points_are_at_their_optimum_after_one_step)
+{
+    Contents contents = withClipping();
+    contents.knownPoints = 0;
+    contents.views = 4;
+    contents.freePoints = 60;
+    SmallProblem small(contents);
+    RefineProblem& problem = small.problem;
+    const VectorXd none = VectorXd::Zero(problem.unknowns.count());
+    const double cost = problem.costAfter(none);
+    problem.apply(none);
+    settlePoints(problem);
+    EXPECT_NEAR(problem.costAfter(none), cost, 1e-8);
+}
+
 //! The derivative of the cost, with the points following, is 2 J^T r.
 TEST(ActiveHandEye_RefineProblem, the_gradient_is_that_of_the_cost)
 {

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import yaml
 from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer
@@ -24,10 +24,11 @@ from ..files import (
 _MARKER = "dataset.yaml"
 
 
-def _array(*shape: int) -> Any:
-    return Annotated[
-        FloatArray, BeforeValidator(lambda value: finite_array(value, shape)), PlainSerializer(lambda a: a.tolist())
-    ]
+_LISTED = PlainSerializer(lambda array: array.tolist())
+
+
+def _shape(*shape: int) -> BeforeValidator:
+    return BeforeValidator(lambda value: finite_array(value, shape))
 
 
 class TrueView(BaseModel):
@@ -49,12 +50,11 @@ class Truth(BaseModel):
     schema_version: Literal[1] = 1
     units: Literal["m"] = "m"
     seed: int
-    # _array makes a type with the shape in its check; mypy takes only types it knows beforehand.
-    camera_matrix: _array(3, 3)  # type: ignore[valid-type]
-    distortion_coefficients: _array(5)  # type: ignore[valid-type]
+    camera_matrix: Annotated[FloatArray, _shape(3, 3), _LISTED]
+    distortion_coefficients: Annotated[FloatArray, _shape(5), _LISTED]
     R_cam2gripper: Rotation
     t_cam2gripper: Vector3
-    light_plane: _array(4)  # type: ignore[valid-type]
+    light_plane: Annotated[FloatArray, _shape(4), _LISTED]
     views: tuple[TrueView, ...] = ()
 
     def save(self, path: str | Path) -> None:
