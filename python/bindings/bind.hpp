@@ -17,6 +17,7 @@ void bindLightPlane(pybind11::module_& m);
 void bindStripe(pybind11::module_& m);
 void bindRefine(pybind11::module_& m);
 void bindVerify(pybind11::module_& m);
+void bindProfile(pybind11::module_& m);
 void bindMeasure(pybind11::module_& m);
 
 } // namespace active_handeye_python

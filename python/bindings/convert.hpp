@@ -62,6 +62,14 @@ py::array_t<T> array(const cv::Mat& mat)
     return py::array_t<T>({mat.rows, mat.cols}, reinterpret_cast<const T*>(mat.data));
 }
 
+//! Copy of a Mat of N x n x n doubles.
+inline py::array_t<double> matrixArray(const cv::Mat& blocks)
+{
+    CV_Assert(blocks.dims == 3 && blocks.type() == CV_64F && blocks.isContinuous());
+    return py::array_t<double>({blocks.size[0], blocks.size[1], blocks.size[2]},
+                               reinterpret_cast<const double*>(blocks.data));
+}
+
 //! Runs the C++ part of a call while other Python threads go on.
 template <typename Call>
 auto unlocked(const Call& call)

@@ -18,5 +18,6 @@ PYBIND11_MODULE(_core, m)
     bindStripe(m);
     bindRefine(m);
     bindVerify(m);
+    bindProfile(m);
     bindMeasure(m);
 }

@@ -44,7 +44,10 @@ __all__: list[str] = [
     "detectStripe",
     "error",
     "estimateFOE",
+    "findProfileCorners",
     "groupViews",
+    "locateOnStripe",
+    "measureStripePoints",
     "refineHandEye",
     "reprojectStripe",
     "splitStripe",
@@ -592,6 +595,51 @@ def estimateFOE(
     Source: doc/method/foe.md; the paper's equation (3).
     """
 
+def findProfileCorners(
+    stripePoints: numpy.typing.ArrayLike,
+    sigmas: numpy.typing.ArrayLike,
+    segmentIds: numpy.typing.ArrayLike,
+    cameraMatrix: numpy.typing.ArrayLike,
+    distCoeffs: numpy.typing.ArrayLike | None,
+    lightPlane: numpy.typing.ArrayLike,
+    *,
+    orientation: typing.SupportsInt | typing.SupportsIndex = 0,
+    halfWindow: typing.SupportsFloat | typing.SupportsIndex = 15.0,
+    maxGap: typing.SupportsFloat | typing.SupportsIndex = 12.0,
+) -> tuple[
+    numpy.typing.NDArray[numpy.float64],
+    numpy.typing.NDArray[numpy.float64],
+    numpy.typing.NDArray[numpy.float64],
+    numpy.typing.NDArray[numpy.int32],
+]:
+    """
+    Corners of a profile: where two neighbouring straight pieces of a stripe meet in the light plane.
+
+    Roots of grooves, edges of plates. Both pieces are continued as lines, so that a rounded or open root does not matter.
+
+    Args:
+        stripePoints: (N, 2) pixels of the distorted image, in order along the stripe, as from detectStripe.
+        sigmas: N standard deviations across the stripe, pixels, as from detectStripe.
+        segmentIds: N numbers of the straight pieces, as from splitStripe; short faces need a small minPoints there.
+        cameraMatrix: (3, 3).
+        distCoeffs: k1, k2, p1, p2[, k3] as in OpenCV; None = no distortion.
+        lightPlane: nx, ny, nz, d in the camera frame, n.X = d, |n| = 1, d > 0.
+        orientation: STRIPE_HORIZONTAL or STRIPE_VERTICAL.
+        halfWindow: the 2 halfWindow + 1 columns of a piece nearest to the corner count.
+        maxGap: the corner is this near to the ends of both pieces at most, px.
+
+    Returns:
+        corners: (K, 2) pixels of the distorted image, in order along the stripe.
+        covariances: (K, 2, 2) px^2.
+        openingAngles: (K, 1) degrees, measured in the light plane on the camera's side: < 180 a groove, > 180 a ridge.
+        segments: (K, 2) int32, the pieces that meet.
+
+    Raises:
+        error: wrong input.
+
+    Source: doc/method/measure.md.
+    """
+
 def groupViews(
     R_gripper2base: numpy.typing.ArrayLike, *, orientationTolerance: typing.SupportsFloat | typing.SupportsIndex = 0.05
 ) -> numpy.typing.NDArray[numpy.int32]:
@@ -607,6 +655,103 @@ def groupViews(
 
     Raises:
         error: wrong input.
+    """
+
+def locateOnStripe(
+    stripePoints: numpy.typing.ArrayLike,
+    sigmas: numpy.typing.ArrayLike,
+    segmentIds: numpy.typing.ArrayLike,
+    pixels: numpy.typing.ArrayLike,
+    cameraMatrix: numpy.typing.ArrayLike,
+    distCoeffs: numpy.typing.ArrayLike | None,
+    *,
+    sigmaAlong: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    orientation: typing.SupportsInt | typing.SupportsIndex = 0,
+    halfWindow: typing.SupportsFloat | typing.SupportsIndex = 15.0,
+    maxDistance: typing.SupportsFloat | typing.SupportsIndex = 10.0,
+) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+    """
+    Characteristic points on a stripe: where its straight pieces pass the given pixels.
+
+    A line through the columns of one piece around the point is several times better than a single column. Its variance is
+    that of the weighted fit, raised by the scatter of these columns about the line and by the correlation of neighbours
+    along the whole stripe, and never below (0.02 px)^2.
+
+    Args:
+        stripePoints: (N, 2) pixels of the distorted image, in order along the stripe, as from detectStripe.
+        sigmas: N standard deviations across the stripe, pixels, as from detectStripe.
+        segmentIds: N numbers of the straight pieces, -1 = on none, as from splitStripe.
+        pixels: (M, 2) pixels near the stripe. The coordinate along the stripe (u for STRIPE_HORIZONTAL, v for
+            STRIPE_VERTICAL) says where the point is, the other one only which piece is meant: the nearest.
+        cameraMatrix: (3, 3).
+        distCoeffs: k1, k2, p1, p2[, k3] as in OpenCV; None = no distortion.
+        sigmaAlong: standard deviation of the coordinate along the stripe in pixels, px; 0 = exact.
+        orientation: STRIPE_HORIZONTAL or STRIPE_VERTICAL.
+        halfWindow: columns of the piece on either side of the point that count; at least 8 must be there.
+        maxDistance: between pixel and stripe, across it, px. A point may lie 3 px beyond the end of its piece.
+
+    Returns:
+        points: (M, 2) pixels on the stripe; NaN where no piece comes within maxDistance.
+        covariances: (M, 2, 2) px^2; NaN as well.
+
+    Raises:
+        error: wrong input.
+
+    Source: doc/method/measure.md.
+    """
+
+def measureStripePoints(
+    R_gripper2base: numpy.typing.ArrayLike,
+    t_gripper2base: numpy.typing.ArrayLike,
+    stripePoints: numpy.typing.ArrayLike,
+    stripeViews: numpy.typing.ArrayLike,
+    pointIds: numpy.typing.ArrayLike,
+    cameraMatrix: numpy.typing.ArrayLike,
+    distCoeffs: numpy.typing.ArrayLike | None,
+    lightPlane: numpy.typing.ArrayLike,
+    R_cam2gripper: numpy.typing.ArrayLike,
+    t_cam2gripper: numpy.typing.ArrayLike,
+    *,
+    calibrationCovariance: numpy.typing.ArrayLike | None,
+    pixelCovariances: numpy.typing.ArrayLike,
+    robotTranslationSigma: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    robotRotationSigma: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+) -> tuple[
+    numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]
+]:
+    """
+    Points of the base frame, each from what one or more views saw of it, with their covariances.
+
+    Every view places a point as reprojectStripe does; the views of one point are combined by generalised least squares.
+    Errors of pixels are independent, those of the robot's pose common to all pixels of a view, those of the calibration
+    common to everything: the covariance says by how much several views improve on one, which is not by their number.
+
+    Args:
+        R_gripper2base: V rotations of the gripper in the robot's base frame, (3, 3) or rotation vectors.
+        t_gripper2base: V translations of 3 numbers.
+        stripePoints: (N, 2) pixels of the distorted images, as from locateOnStripe or findProfileCorners.
+        stripeViews: N integers, the view (0 .. V-1) in which each pixel was seen.
+        pointIds: N integers from 0 to P-1, each at least once: the point that each pixel shows.
+        cameraMatrix: (3, 3).
+        distCoeffs: k1, k2, p1, p2[, k3] as in OpenCV; None = no distortion.
+        lightPlane: nx, ny, nz, d in the camera frame, n.X = d, |n| = 1, d > 0.
+        R_cam2gripper: rotation of the camera in the gripper frame, (3, 3) or rotation vector.
+        t_cam2gripper: position of the camera in the gripper frame.
+        calibrationCovariance: (20, 20), RefineSummary.covariance; None = the calibration counts as exact.
+        pixelCovariances: (N, 2, 2) pixels^2, not zero, as from locateOnStripe or findProfileCorners.
+        robotTranslationSigma: as in reprojectStripe.
+        robotRotationSigma: as in reprojectStripe.
+
+    Returns:
+        points3D: (P, 3) in the base frame, in the unit of the poses.
+        covariances: (P, 3, 3). A coordinate that hangs on a parameter of infinite variance has infinite variance.
+        disagreements: (N, 1) squared Mahalanobis distance of what a pixel alone says from the combined point: chi-square
+            with 3 degrees of freedom or fewer, if the errors are as stated; 0 for a point seen once.
+
+    Raises:
+        error: wrong input; pixels that miss the light plane (they are named).
+
+    Source: doc/method/measure.md.
     """
 
 def refineHandEye(
@@ -691,6 +836,7 @@ def reprojectStripe(
     pixelSigmas: numpy.typing.ArrayLike | None = None,
     robotTranslationSigma: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     robotRotationSigma: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    allowMissed: bool = False,
 ) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64] | None]:
     """
     Points in space from the pixels of a laser stripe, with their covariances.
@@ -714,6 +860,8 @@ def reprojectStripe(
         robotTranslationSigma: standard deviation of each coordinate of t_gripper2base.
         robotRotationSigma: standard deviation of each component of the rotation error vector w of the robot, rad: true R =
             exp(w) R_gripper2base.
+        allowMissed: False: a pixel whose ray does not meet the light plane in front of the camera is an error. True: its
+            point and covariance are NaN.
 
     Returns:
         points3D: (M, 3), in the unit of d.
@@ -721,8 +869,7 @@ def reprojectStripe(
             variance has infinite variance, and covariance 0 with the others.
 
     Raises:
-        error: wrong input (StsBadArg, StsBadSize, StsOutOfRange); pixels whose ray does not meet the light plane in front of
-            the camera (they are named).
+        error: wrong input (StsBadArg, StsBadSize, StsOutOfRange); pixels that miss the light plane (they are named).
 
     Source: doc/method/measure.md; the paper's equation (1).
     """

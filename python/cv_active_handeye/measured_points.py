@@ -17,18 +17,22 @@ from typing import NamedTuple
 from .files import FileFormatError, write_atomic
 
 NEEDED = ("name", "view", "u", "v")
+SIGMA = "sigma"
+PICKED_SIGMA = 0.3
+"""Of a pixel picked by hand, px: the column `sigma` where it is not given."""
 REFERENCE = ("x", "y", "z")
 
 
 class PointRow(NamedTuple):
-    """One row: where in the laser image of a view a point is. `where`: file and line, for errors; `reference`: known
-    coordinates in the base frame, mm, None without."""
+    """One row: where in the laser image of a view a point is. `where`: file and line, for errors; `sigma`: standard
+    deviation of the pixel along the stripe, px; `reference`: known coordinates in the base frame, mm, None without."""
 
     where: str
     name: str
     view: int
     u: float
     v: float
+    sigma: float = PICKED_SIGMA
     reference: tuple[float, float, float] | None = None
 
 
@@ -66,12 +70,13 @@ def write_measured(path: str | Path, header: Sequence[str], rows: Sequence[Seque
 
 
 def _check_header(path: Path, header: list[str]) -> None:
-    needed = f"{path}: needs the columns {','.join(NEEDED)} and, for reference values, {','.join(REFERENCE)}"
+    references_needed = f"for reference values, {','.join(REFERENCE)}"
+    needed = f"{path}: needs the columns {','.join(NEEDED)}, where wanted {SIGMA}, and, {references_needed}"
     given = f"given {','.join(header) if header else 'nothing'}"
     for name in header:
         if header.count(name) > 1:
             raise FileFormatError(f"{path}: needs every column once, but '{name}' appears {header.count(name)} times")
-        if name not in (*NEEDED, *REFERENCE):
+        if name not in (*NEEDED, SIGMA, *REFERENCE):
             raise FileFormatError(f"{needed}; column '{name}' is unknown, {given}")
     references = [name for name in REFERENCE if name in header]
     missing = [name for name in NEEDED if name not in header]
@@ -87,6 +92,9 @@ def _row(where: str, fields: Mapping[str, str]) -> PointRow:
     if not (view.isascii() and view.isdigit()):
         raise FileFormatError(f"{where}: column 'view' needs a whole number from 0 on, given {view!r}")
     u, v = (_number(where, fields, name) for name in ("u", "v"))
+    sigma = _number(where, fields, SIGMA) if fields.get(SIGMA) else PICKED_SIGMA
+    if sigma < 0:
+        raise FileFormatError(f"{where}: column '{SIGMA}' needs 0 or a positive number, given {fields[SIGMA]!r}")
     given = [name for name in REFERENCE if fields.get(name)]
     if given and len(given) < len(REFERENCE):
         raise FileFormatError(f"{where}: reference values need all of x,y,z or none, given {','.join(given)}")
@@ -94,7 +102,7 @@ def _row(where: str, fields: Mapping[str, str]) -> PointRow:
     if given:
         x, y, z = (_number(where, fields, name) for name in REFERENCE)
         reference = (x, y, z)
-    return PointRow(where, fields["name"], int(view), u, v, reference)
+    return PointRow(where, fields["name"], int(view), u, v, sigma, reference)
 
 
 def _number(where: str, fields: Mapping[str, str], name: str) -> float:

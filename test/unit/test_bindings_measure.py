@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import re
-from typing import Any
+from typing import Any, TypedDict
 
 import cv2
 import numpy as np
@@ -25,8 +25,22 @@ def calibration(r: Recording) -> tuple[Array, Array, Array, Array]:
     return r.stripePoints[SEGMENT], r.cameraMatrix, r.distCoeffs, r.lightPlane
 
 
-def transforms(r: Recording) -> dict[str, Array]:
-    """Keywords that carry the points into the base frame."""
+class Hand(TypedDict):
+    """Keywords that carry points into the gripper frame."""
+
+    R_cam2gripper: Array
+    t_cam2gripper: Array
+
+
+class Transforms(Hand):
+    """Keywords that carry points into the base frame."""
+
+    R_gripper2base: Array
+    t_gripper2base: Array
+
+
+def transforms(r: Recording) -> Transforms:
+    """Of the view of the segment."""
     view = r.stripeViews[SEGMENT]
     return {
         "R_cam2gripper": r.R_cam2gripper,
@@ -58,7 +72,7 @@ def test_points_are_those_of_opencv_in_every_frame() -> None:
     r = exact_recording()
     motion = transforms(r)
     in_base, nothing = cah.reprojectStripe(*calibration(r), **motion)
-    hand = {name: motion[name] for name in ("R_cam2gripper", "t_cam2gripper")}
+    hand = Hand(R_cam2gripper=r.R_cam2gripper, t_cam2gripper=r.t_cam2gripper)
     in_gripper, _ = cah.reprojectStripe(*calibration(r), **hand)
     in_camera, _ = cah.reprojectStripe(*calibration(r))
     assert nothing is None
@@ -140,3 +154,39 @@ def test_points_beside_the_light_plane_are_named() -> None:
     with pytest.raises(cah.error) as caught:
         cah.reprojectStripe(pixels, r.cameraMatrix, r.distCoeffs, plane)
     assert re.search(r"given 1 of 3 points whose rays do not: 1; point 1 is \(100, 240\)$", str(caught.value))
+
+
+def test_characteristic_points_of_two_views_are_placed_where_they_are() -> None:
+    """The same segment given as two views of its points, the second shifted by its own covariance's worth."""
+    r = exact_recording()
+    points, _ = cah.reprojectStripe(*calibration(r), **transforms(r))
+    view = r.stripeViews[SEGMENT]
+    pixels, sigmas = r.stripePoints[SEGMENT], np.full(40, 0.1)
+    stripe = (pixels, sigmas, np.zeros(40, np.int32))
+    middle, covariance = cah.locateOnStripe(
+        *stripe, pixels[20:21], r.cameraMatrix, r.distCoeffs, sigmaAlong=0.5, halfWindow=300
+    )
+    np.testing.assert_allclose(middle[0], pixels[20], atol=1e-6)
+    place = (r.R_gripper2base, r.t_gripper2base, np.repeat(middle, 2, axis=0), [view, view], [0, 0])
+    tool = (r.cameraMatrix, r.distCoeffs, r.lightPlane, r.R_cam2gripper, r.t_cam2gripper)
+    X, C, apart = cah.measureStripePoints(
+        *place, *tool, calibrationCovariance=None, pixelCovariances=np.repeat(covariance, 2, axis=0)
+    )
+    np.testing.assert_allclose(X[0], points[20], atol=1e-8)
+    assert C.shape == (1, 3, 3)
+    np.testing.assert_allclose(apart, 0, atol=1e-6)
+
+
+def test_corner_of_two_pieces_is_their_intersection() -> None:
+    r = exact_recording()
+    u = np.arange(100.0, 180.0)
+    pixels = np.column_stack([u, 240 - 0.5 * np.abs(u - 139.7)])
+    ids = (u > 139.7).astype(np.int32)
+    corners, covariances, angles, segments = cah.findProfileCorners(
+        pixels, np.full(80, 0.1), ids, r.cameraMatrix, None, r.lightPlane
+    )
+    np.testing.assert_allclose(corners, [[139.7, 240.0]], atol=1e-6)
+    np.testing.assert_array_equal(segments, [[0, 1]])
+    assert covariances.shape == (1, 2, 2)
+    assert np.linalg.eigvalsh(covariances[0]).min() > 0
+    assert 0 < angles[0, 0] < 360

@@ -12,25 +12,37 @@ import pytest
 from numpy.typing import NDArray
 from support.exact_recording import exact_recording
 from support.recordings import Notes
-from support.stripe_recording import calibration_of_truth, laser_dataset, record, stops_through, true_plane, true_points
+from support.stripe_recording import (
+    Stop,
+    calibration_of_truth,
+    laser_dataset,
+    record,
+    stops_through,
+    true_plane,
+    true_points,
+)
 
 from cv_active_handeye.dataset import Dataset
 from cv_active_handeye.files import FileFormatError
 from cv_active_handeye.measured_points import PointRow
-from cv_active_handeye.workflow.measure import LINE_SHARE, LINE_SIGMA, MeasuredPoint, measure, stripe_line
-from cv_active_handeye.workflow.profiles import Profile
+from cv_active_handeye.workflow.measure import MeasuredPoint, measure
 
 Array = NDArray[np.float64]
 VIEWS = (0, 6, 11)
 
 
 def row(
-    name: str, view: int, pixel: Sequence[float] | Array, beside: Sequence[float] = (0, 0), known: Array | None = None
+    name: str,
+    view: int,
+    pixel: Sequence[float] | Array,
+    beside: Sequence[float] = (0, 0),
+    known: Array | None = None,
+    sigma: float = 0.02,
 ) -> PointRow:
-    """The row that names `pixel` + `beside` px; `known`: reference, m."""
+    """The row that names `pixel` + `beside` px, to `sigma` px along the stripe; `known`: reference, m."""
     u, v = np.add(pixel, beside).tolist()
     reference = None if known is None else (1000 * float(known[0]), 1000 * float(known[1]), 1000 * float(known[2]))
-    return PointRow(f"points.csv, row {name} {view}", name, view, u, v, reference)
+    return PointRow(f"points.csv, row {name} {view}", name, view, u, v, sigma, reference)
 
 
 def scene_point() -> Array:
@@ -99,8 +111,8 @@ def test_error_of_the_calibration_does_not_average_out(tmp_path: Path) -> None:
         [measure(dataset, calibration, chosen)[0].covariance for chosen in (rows[:1], rows)]
         for calibration in (calibration_of_truth(), exact)
     ]
-    np.testing.assert_allclose(noise[1], noise[0] / 3, rtol=1e-6)
-    np.testing.assert_allclose(shared[1], shared[0] - noise[0] + noise[0] / 3, rtol=1e-6, atol=1e-16)
+    np.testing.assert_allclose(noise[1], noise[0] / 3, rtol=1e-6, atol=1e-14)
+    np.testing.assert_allclose(shared[1], shared[0] - noise[0] + noise[0] / 3, rtol=1e-6, atol=1e-14)
 
 
 def test_view_that_contradicts_the_others_is_told(tmp_path: Path) -> None:
@@ -108,8 +120,24 @@ def test_view_that_contradicts_the_others_is_told(tmp_path: Path) -> None:
     rows = [row("S1", view, pixel, (30.0 * (view == 2), 0)) for view, pixel in enumerate(pixels)]
     reporter = Notes()
     measure(record(tmp_path / "set", stops), calibration_of_truth(), rows, reporter)
-    assert any(note.startswith("point S1: view 2 puts it ") for note in reporter.notes)
-    assert all(note.endswith("mm from the mean, more than noise explains") for note in reporter.notes)
+    assert any(note.startswith("point S1: view 2 contradicts the others by more than") for note in reporter.notes)
+    reporter = Notes()
+    picked = [one._replace(sigma=30) for one in rows]
+    measure(record(tmp_path / "again", stops), calibration_of_truth(), picked, reporter)
+    assert reporter.notes == []
+
+
+def test_pixel_picked_by_hand_is_less_certain_along_the_stripe(recording: Dataset) -> None:
+    pixel = exact_recording().stripePoints[0][20]
+    rows = [row("sharp", 0, pixel, sigma=0.0), row("picked", 0, pixel, sigma=2.0)]
+    sharp, picked = measure(recording, calibration_of_truth(covariance=np.zeros((20, 20))), rows)
+    along = true_points(0, exact_recording().stripePoints[0][[19, 21]])
+    direction = (along[1] - along[0]) / np.linalg.norm(along[1] - along[0])
+    pixels = np.linalg.norm(exact_recording().stripePoints[0][21] - exact_recording().stripePoints[0][19])
+    more = picked.covariance - sharp.covariance
+    expected = 2.0 * np.linalg.norm(along[1] - along[0]) / pixels
+    assert np.sqrt(direction @ more @ direction) == pytest.approx(expected, rel=0.02)
+    assert np.linalg.matrix_rank(more, tol=1e-3 * np.trace(more)) == 1
 
 
 def test_vertical_stripe_is_measured_at_the_row(tmp_path: Path) -> None:
@@ -142,7 +170,7 @@ def test_vertical_stripe_is_measured_at_the_row(tmp_path: Path) -> None:
     [
         (3, (320, 240), r"points.csv, row S 3: needs a view of the data set \(0 to 2\), given 3"),
         (2, (320, 240), r"within 10 px of \(320, 240\) in view 2; the view shows no stripe"),
-        (0, (320, 20), r"within 10 px of \(320, 20\) in view 0; the stripe is at v = \d+\.\d there"),
+        (0, (320, 20), r"within 10 px of \(320, 20\) in view 0; the nearest point of the stripe is \("),
         (0, (5, 240), r"within 10 px of \(5, 240\) in view 0; the nearest point of the stripe is \(\d+\.\d, \d+\.\d\)"),
     ],
 )
@@ -174,39 +202,14 @@ def test_parameter_that_was_not_observed_leaves_the_interval_open(recording: Dat
     assert np.isfinite(point.position).all()
 
 
-def corner(noise: float = 0.0) -> Profile:
-    """Two straight pieces that meet at column 100: falling to row 50, then rising."""
-    columns = np.arange(40.0, 161.0)
-    rows = 50 - 0.5 * np.abs(columns - 100) + noise * np.random.default_rng(2).normal(size=121)
-    segments = (columns > 100).astype(np.int32)
-    return Profile(0, np.column_stack([columns, rows]), np.full(121, 0.05), segments, np.zeros(121, np.float32))
-
-
-def test_line_is_that_of_its_own_segment_up_to_the_edge() -> None:
-    for column, expected in ((80.0, 40.0), (97.5, 48.75), (102.5, 48.75), (120.0, 40.0)):
-        pixel, sigma = stripe_line(corner(), row("S", 0, (column, expected)), 0, 1.0)
-        np.testing.assert_allclose(pixel, [column, expected], atol=1e-9)
-        assert LINE_SIGMA < sigma < 0.06
-    swapped = corner()._replace(pixels=corner().pixels[:, ::-1])
-    np.testing.assert_allclose(stripe_line(swapped, row("S", 0, (40.0, 80.0)), 1, 1.0)[0], [40, 80], atol=1e-9)
-
-
-def test_column_on_no_straight_piece_is_named() -> None:
-    curved = corner()._replace(segments=np.full(121, -1, np.int32))
-    with pytest.raises(FileFormatError, match=r"in view 0; the stripe is not straight around \(81.0, 40.5\)"):
-        stripe_line(curved, row("S", 0, (80.0, 42.0)), 0, 1.0)
-
-
-def test_sigma_of_a_line_follows_the_scatter_of_its_columns() -> None:
-    errors, sigmas = [], []
-    for seed in range(200):
-        rows = 50 - 0.5 * np.abs(corner().pixels[:, 0] - 100) + 0.1 * np.random.default_rng(seed).normal(size=121)
-        profile = corner()._replace(pixels=np.column_stack([corner().pixels[:, 0], rows]))
-        pixel, sigma = stripe_line(profile, row("S", 0, (80.0, 40.0)), 0, 2.0)
-        errors.append(pixel[1] - 40.0)
-        sigmas.append(np.sqrt(sigma**2 - (LINE_SHARE * 0.1) ** 2))
-    assert np.std(errors) == pytest.approx(np.mean(sigmas), rel=0.15)
-    assert np.std(errors) < 0.1 / 4
+def test_pixel_beside_no_straight_piece_is_named(tmp_path: Path) -> None:
+    """A stripe that waves by two pixels every fifty columns has no straight piece of twenty."""
+    columns = np.arange(100.0, 500.0)
+    waves = np.column_stack([columns, 240 + 8 * np.sin(columns / 8)])
+    truth = exact_recording()
+    dataset = record(tmp_path / "set", [Stop(truth.R_gripper2base[0], truth.t_gripper2base[0], waves)])
+    with pytest.raises(FileFormatError, match=r"in view 0; the stripe is not straight around \(\d+\.\d, \d+\.\d\)"):
+        measure(dataset, calibration_of_truth(), [row("S", 0, (300.0, 240.0))])
 
 
 def test_interval_is_1_96_standard_deviations() -> None:

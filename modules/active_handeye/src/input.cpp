@@ -129,7 +129,7 @@ std::vector<Matrix3d> readRotations(InputArrayOfArrays R, const char* name)
     return rotations;
 }
 
-AlignedVector<Pose> readRobotPoses(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base)
+AlignedVector<Pose> readRobotPoses(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base, size_t least)
 {
     const std::vector<Matrix3d> rotations = readRotations(R_gripper2base, "R_gripper2base");
     const std::vector<Numbers> translations = readList(t_gripper2base);
@@ -138,9 +138,9 @@ AlignedVector<Pose> readRobotPoses(InputArrayOfArrays R_gripper2base, InputArray
                  cv::format(
                      "t_gripper2base: needed one translation for each of the %d rotations of R_gripper2base, given %d",
                      int(rotations.size()), int(translations.size())));
-    if (rotations.size() < 2)
+    if (rotations.size() < least)
         CV_Error(Error::StsBadSize,
-                 cv::format("R_gripper2base: needed at least 2 views, given %d", int(rotations.size())));
+                 cv::format("R_gripper2base: needed at least %d views, given %d", int(least), int(rotations.size())));
     AlignedVector<Pose> poses;
     for (size_t i = 0; i < rotations.size(); ++i)
         poses.push_back(Pose{rotations[i], toVector3(translations[i], itemName("t_gripper2base", i))});
@@ -210,6 +210,17 @@ std::vector<Pixels> readImagePoints(InputArrayOfArrays imagePoints, size_t views
         }
     }
     return result;
+}
+
+std::vector<double> readSigmas(InputArray sigmas, const char* name, size_t count)
+{
+    const std::vector<double> values = numbersOf(sigmas.getMat()).values;
+    if (values.size() != count)
+        CV_Error(Error::StsBadSize, cv::format("%s: needed one number for each of the %d points, given %d", name,
+                                               int(count), int(values.size())));
+    for (double value : values)
+        readPositive(value, name);
+    return values;
 }
 
 std::vector<int> readIntegers(InputArray values, const char* name)

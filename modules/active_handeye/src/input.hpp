@@ -25,8 +25,9 @@ Eigen::Vector3d readVector3(InputArray v, const char* name);
 //! V rotations (3x3) or rotation vectors.
 std::vector<Eigen::Matrix3d> readRotations(InputArrayOfArrays R, const char* name);
 
-//! V robot poses. Refuses views whose translation looks like another unit of length (mm against m).
-AlignedVector<Pose> readRobotPoses(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base);
+//! V robot poses, `least` or more. Refuses views whose translation looks like another unit of length (mm against m).
+AlignedVector<Pose> readRobotPoses(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base,
+                                   size_t least = 2);
 
 //! N points of 2 coordinates, all finite.
 Pixels readPixels(InputArray points, const char* name);
@@ -39,6 +40,9 @@ std::vector<Pixels> readImagePoints(InputArrayOfArrays imagePoints, size_t views
 
 //! S arrays of pixels of any length, all finite.
 std::vector<Pixels> readPixelLists(InputArrayOfArrays points, const char* name);
+
+//! One positive number for each of `count` points.
+std::vector<double> readSigmas(InputArray sigmas, const char* name, size_t count);
 
 //! S whole numbers.
 std::vector<int> readIntegers(InputArray values, const char* name);

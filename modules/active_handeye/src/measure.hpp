@@ -43,16 +43,50 @@ struct StripeGeometry
     }
 };
 
-//! Errors that are known of a measurement, and what they make of a point to first order.
+typedef Eigen::Matrix<double, 3, 2> Matrix32d;
+typedef Eigen::Matrix<double, 3, CALIBRATION_PARAMETERS> PointByCalibration;
+
+//! The point where the ray of a pixel meets the light plane, in the frame of the geometry, and what moves it.
+struct StripePoint
+{
+    Eigen::Vector3d X;
+    Eigen::Vector3d arm;              //!< from the flange to the point: errors of the robot's rotation turn it
+    Matrix32d byPixel;                //!< derivative by the pixel of the recorded image
+    PointByCalibration byCalibration; //!< derivative by the calibration
+
+    //! `ray`: (x, y, 1) of the pixel.
+    StripePoint(const StripeGeometry& geometry, const Eigen::Vector3d& ray);
+};
+
+//! Errors that are known of a measurement, and what they make of points to first order.
 struct MeasurementErrors
 {
     CalibrationMatrix calibration = CalibrationMatrix::Zero(); //!< rows of parameters not observed are 0
     std::vector<int> unobserved;                               //!< parameters of infinite variance
     double robotTranslationSigma = 0, robotRotationSigma = 0;
 
-    //! Covariance of the point where the ray (x, y, 1) meets the light plane, in the frame of the geometry.
-    Eigen::Matrix3d covariance(const StripeGeometry& geometry, const Eigen::Vector3d& ray, double pixelSigma) const;
+    //! Covariance of two points of one view from the error of the robot's pose.
+    Eigen::Matrix3d fromRobot(const StripePoint& a, const StripePoint& b) const;
+
+    //! Covariance of two points from the errors of the calibration.
+    Eigen::Matrix3d fromCalibration(const StripePoint& a, const StripePoint& b) const;
+
+    //! Infinite variance for the coordinates that hang on a parameter which was not observed.
+    void markUnobserved(const StripePoint& point, Eigen::Matrix3d& covariance) const;
+
+    //! Of one point, with everything.
+    Eigen::Matrix3d covariance(const StripePoint& point, const Eigen::Matrix2d& pixelCovariance) const;
 };
+
+//! The calibration part of the arguments of reprojectStripe and measureStripePoints; the robot's sigmas of 0 or more.
+MeasurementErrors readMeasurementErrors(InputArray calibrationCovariance, double robotTranslationSigma,
+                                        double robotRotationSigma);
+
+//! Throws StsOutOfRange that names the pixels whose rays do not meet the light plane in front of the camera.
+void refuseMissed(const std::vector<size_t>& missed, const Pixels& pixels);
+
+//! Whether the ray meets the light plane in front of the camera.
+bool meets(const LightPlane& light, const Eigen::Vector3d& ray);
 
 }} // namespace cv::active_handeye
 

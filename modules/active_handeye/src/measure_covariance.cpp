@@ -12,9 +12,6 @@ using Eigen::Matrix2d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-typedef Eigen::Matrix<double, 3, 2> Matrix32d;
-typedef Eigen::Matrix<double, 3, CALIBRATION_PARAMETERS> PointByCalibration;
-
 namespace {
 
 //! Derivative of the point, in the frame of the geometry, by all calibration parameters.
@@ -34,9 +31,36 @@ PointByCalibration pointByCalibration(const StripeGeometry& geometry, const Vect
     return geometry.gripper2base.R * J;
 }
 
-//! Infinite variance for the coordinates that hang on a parameter which was not observed.
-void markUnobserved(const PointByCalibration& J, const std::vector<int>& unobserved, Matrix3d& covariance)
+} // namespace
+
+StripePoint::StripePoint(const StripeGeometry& geometry, const Vector3d& ray)
 {
+    const Pose cam2frame = geometry.cam2frame();
+    const LightPlane& light = geometry.light;
+    const double slope = light.n.dot(ray), depth = light.d / slope;
+    const Matrix2d pixelByRay =
+        geometry.camera.K.topLeftCorner<2, 2>() * geometry.camera.distortJacobian(ray.head<2>());
+    const Matrix32d byRay = depth * (Matrix3d::Identity() - ray * light.n.transpose() / slope).leftCols<2>();
+    X = cam2frame.R * (depth * ray) + cam2frame.t;
+    arm = X - geometry.gripper2base.t;
+    byPixel = cam2frame.R * byRay * pixelByRay.inverse();
+    byCalibration = pointByCalibration(geometry, ray, byRay);
+}
+
+Matrix3d MeasurementErrors::fromRobot(const StripePoint& a, const StripePoint& b) const
+{
+    return robotTranslationSigma * robotTranslationSigma * Matrix3d::Identity() -
+           robotRotationSigma * robotRotationSigma * skew(a.arm) * skew(b.arm);
+}
+
+Matrix3d MeasurementErrors::fromCalibration(const StripePoint& a, const StripePoint& b) const
+{
+    return a.byCalibration * calibration * b.byCalibration.transpose();
+}
+
+void MeasurementErrors::markUnobserved(const StripePoint& point, Matrix3d& covariance) const
+{
+    const PointByCalibration& J = point.byCalibration;
     for (int parameter : unobserved)
         for (int i = 0; i < 3; ++i)
             if (std::abs(J(i, parameter)) > 1e-12 * J.col(parameter).norm())
@@ -47,28 +71,12 @@ void markUnobserved(const PointByCalibration& J, const std::vector<int>& unobser
             }
 }
 
-} // namespace
-
-Matrix3d MeasurementErrors::covariance(const StripeGeometry& geometry, const Vector3d& ray, double pixelSigma) const
+Matrix3d MeasurementErrors::covariance(const StripePoint& point, const Matrix2d& pixelCovariance) const
 {
-    const Pose cam2frame = geometry.cam2frame();
-    const LightPlane& light = geometry.light;
-    const double slope = light.n.dot(ray), depth = light.d / slope;
-    const Matrix2d pixelByRay =
-        geometry.camera.K.topLeftCorner<2, 2>() * geometry.camera.distortJacobian(ray.head<2>());
-    const Matrix32d byRay = depth * (Matrix3d::Identity() - ray * light.n.transpose() / slope).leftCols<2>();
-
-    const Matrix32d byPixel = cam2frame.R * byRay * pixelByRay.inverse();
-    Matrix3d result = pixelSigma * pixelSigma * byPixel * byPixel.transpose();
-
-    const Vector3d arm = cam2frame.R * (depth * ray) + cam2frame.t - geometry.gripper2base.t;
-    result.diagonal().array() += robotTranslationSigma * robotTranslationSigma;
-    result -= robotRotationSigma * robotRotationSigma * skew(arm) * skew(arm);
-
-    const PointByCalibration J = pointByCalibration(geometry, ray, byRay);
-    result += J * calibration * J.transpose();
+    Matrix3d result = point.byPixel * pixelCovariance * point.byPixel.transpose() + fromRobot(point, point) +
+                      fromCalibration(point, point);
     result = (0.5 * (result + result.transpose())).eval();
-    markUnobserved(J, unobserved, result);
+    markUnobserved(point, result);
     return result;
 }
 

@@ -190,23 +190,6 @@ std::vector<size_t> withoutOutliers(const Pixels& points, const std::vector<doub
     return kept;
 }
 
-//! Zero where they are not given: the points then weigh alike and nothing is tolerated for their noise.
-std::vector<double> readSigmas(InputArray sigmas, size_t count)
-{
-    const Mat given = sigmas.getMat();
-    if (given.empty())
-        return std::vector<double>(count, 0.);
-    Mat values;
-    given.convertTo(values, CV_64F);
-    if (values.total() * values.channels() != count)
-        CV_Error(Error::StsBadSize, cv::format("sigmas: needed one number for each of the %d points, given %d",
-                                               int(count), int(values.total() * values.channels())));
-    std::vector<double> result(count);
-    for (size_t i = 0; i < count; ++i)
-        result[i] = readPositive(values.ptr<double>()[i], "sigmas");
-    return result;
-}
-
 } // namespace
 
 void splitStripe(InputArray stripePoints, InputArray sigmas, InputArray cameraMatrix, InputArray distCoeffs,
@@ -214,7 +197,8 @@ void splitStripe(InputArray stripePoints, InputArray sigmas, InputArray cameraMa
 {
     CV_TRACE_FUNCTION();
     const Pixels pixels = readPixels(stripePoints, "stripePoints");
-    const std::vector<double> deviations = readSigmas(sigmas, pixels.size());
+    const std::vector<double> deviations = sigmas.empty() ? std::vector<double>(pixels.size(), 0.) // they weigh alike
+                                                          : readSigmas(sigmas, "sigmas", pixels.size());
     const Camera camera = readCamera(cameraMatrix, distCoeffs);
     readPositive(breakDistance, "breakDistance");
     readPositive(maxGap, "maxGap");

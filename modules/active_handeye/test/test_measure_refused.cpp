@@ -20,6 +20,25 @@ TEST(ActiveHandEye_Measure, pixels_that_do_not_see_the_light_plane_are_named)
                  "light plane in front of the camera"});
 }
 
+TEST(ActiveHandEye_Measure, pixels_that_do_not_see_the_light_plane_are_NaN_where_that_is_allowed)
+{
+    const Measurement m(litScene());
+    const Mat pixels = (Mat_<double>(3, 2) << 320, 240, 300, -3e5, 310, 200);
+    const Vec3d ray((300 - m.K(0, 2)) / m.K(0, 0), (-3e5 - m.K(1, 2)) / m.K(1, 1), 1);
+    const double sign = m.light[0] * ray[0] + m.light[1] * ray[1] + m.light[2] < 0 ? 1 : -1;
+    Mat stray = pixels.clone(), X, C, clean, cleanC;
+    stray.at<double>(1, 1) *= sign;
+    const double sigma = 0.1;
+    const Mat sigmas(1, 1, CV_64F, Scalar(sigma)), kept = (Mat_<double>(2, 2) << 320, 240, 310, 200);
+    reprojectStripe(stray, m.K, noArray(), m.light, X, C, noArray(), noArray(), noArray(), noArray(), noArray(), sigmas,
+                    0, 0, true);
+    reprojectStripe(kept, m.K, noArray(), m.light, clean, cleanC, noArray(), noArray(), noArray(), noArray(), noArray(),
+                    sigmas);
+    EXPECT_TRUE(std::isnan(X.at<double>(1, 0)) && std::isnan(C.at<double>(1, 2, 2)));
+    EXPECT_EQ(0, cv::norm(X.row(0), clean.row(0)) + cv::norm(X.row(2), clean.row(1)));
+    EXPECT_EQ(cleanC.at<double>(1, 2, 2), C.at<double>(2, 2, 2));
+}
+
 TEST(ActiveHandEye_Measure, wrong_input_is_named)
 {
     const Measurement good(litScene());

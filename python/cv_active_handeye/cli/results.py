@@ -129,9 +129,6 @@ def scan_lines(result: Scan) -> list[str]:
     lines = [f"{counted(len(points), 'point')} in {counted(views, 'view')}, in the robot's base frame."]
     middle, most = (f"{two_digits(float(x))} mm" for x in np.quantile(sigmas, (0.5, 0.95), method="lower"))
     lines.append(f"Sigma in the worst direction: median {middle}, 95 % are below {most}.")
-    if result.scatter > 1:
-        times = f"{result.scatter:.2f} times as far as the noise of its image"
-        lines.append(f"The stripe scatters {times} (grain of the laser light, texture); sigma allows for it.")
     if not np.isfinite(sigmas).all():
         lines.append(
             f"{counted(int(np.isinf(sigmas).sum()), 'point')} without a sigma: the calibration left something open."

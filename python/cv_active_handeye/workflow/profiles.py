@@ -2,14 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Profiles: the stripe of one laser image, and where in the base frame its points lie.
 
-Stripe and points come from `cah.detectStripe`, `cah.splitStripe` and `cah.reprojectStripe`.
+Stripe and points come from `cah.detectStripe`, `cah.splitStripe`, `cah.locateOnStripe` and `cah.reprojectStripe`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +21,9 @@ from ..files import FileFormatError, FloatArray
 from .calibrated import noise_levels_for
 from .evidence import stripe_params
 from .reporter import InsufficientDataError, Reporter
+
+NEAR = 10.0
+"""Pixels across the stripe between it and the pixel that names a point of it."""
 
 
 class Profile(NamedTuple):
@@ -36,18 +38,6 @@ class Profile(NamedTuple):
     sigmas: FloatArray
     segments: NDArray[np.int32]
     intensity: NDArray[np.float32]
-
-
-class Located(NamedTuple):
-    """Points of one view in the base frame.
-
-    points (M, 3) m; noise (M, 3, 3) m^2: covariances from the image and from this view's robot pose; shared (M, 3, 3)
-    m^2: from the calibration, whose errors all points of all views have in common.
-    """
-
-    points: FloatArray
-    noise: FloatArray
-    shared: FloatArray
 
 
 @dataclass(frozen=True)
@@ -77,33 +67,42 @@ class Profiler:
         segments = cah.splitStripe(pixels, sigmas, K, D) if found else np.zeros(0, np.int32)
         return Profile(view, pixels, sigmas.reshape(-1), segments.reshape(-1), _intensity(image, pixels))
 
-    def locate(self, view: int, pixels: FloatArray, sigmas: FloatArray) -> Located:
-        """Pixels (M, 2) of a view with standard deviations (M,) px as points in the base frame.
+    def on_stripe(self, profile: Profile, pixel: FloatArray, sigma: float) -> tuple[FloatArray, FloatArray]:
+        """The point (2,) px of a straight piece of the stripe that `pixel` (2,) names, and its covariance (2, 2) px^2.
 
-        Raises `cah.error` (StsOutOfRange) for pixels whose ray does not meet the light plane in front of the camera.
+        sigma: standard deviation of `pixel` along the stripe, px. NaN where no straight piece is within `NEAR`.
         """
-        points, noise = self._reproject(
-            view,
-            pixels,
-            pixelSigmas=sigmas,
-            robotTranslationSigma=self.robot_translation_sigma,
-            robotRotationSigma=self.robot_rotation_sigma,
-        )
-        _, shared = self._reproject(view, pixels, calibrationCovariance=self.calibration.covariance)
-        return Located(points, noise, shared)
-
-    def _reproject(self, view: int, pixels: FloatArray, **errors: Any) -> tuple[FloatArray, FloatArray]:
-        where = self.dataset.views[view]
-        points, covariances = cah.reprojectStripe(
-            pixels,
+        points, covariances = cah.locateOnStripe(
+            profile.pixels,
+            profile.sigmas,
+            profile.segments,
+            pixel[None],
             self.calibration.camera_matrix,
             self.calibration.distortion_coefficients,
+            sigmaAlong=sigma,
+            orientation=int(cah.STRIPE_VERTICAL if self.along else cah.STRIPE_HORIZONTAL),
+            maxDistance=NEAR,
+        )
+        return points[0], covariances[0]
+
+    def place(self, profile: Profile) -> tuple[FloatArray, FloatArray]:
+        """Points (M, 3) m of a profile in the base frame, and their covariances (M, 3, 3) m^2 from image, robot and
+        calibration; NaN for pixels whose ray does not meet the light plane in front of the camera."""
+        where, calibration = self.dataset.views[profile.view], self.calibration
+        points, covariances = cah.reprojectStripe(
+            profile.pixels,
+            calibration.camera_matrix,
+            calibration.distortion_coefficients,
             self.light_plane,
-            R_cam2gripper=self.calibration.R_cam2gripper,
-            t_cam2gripper=self.calibration.t_cam2gripper,
+            R_cam2gripper=calibration.R_cam2gripper,
+            t_cam2gripper=calibration.t_cam2gripper,
             R_gripper2base=where.R_gripper2base,
             t_gripper2base=where.t_gripper2base,
-            **errors,
+            calibrationCovariance=calibration.covariance,
+            pixelSigmas=profile.sigmas,
+            robotTranslationSigma=self.robot_translation_sigma,
+            robotRotationSigma=self.robot_rotation_sigma,
+            allowMissed=True,
         )
         assert covariances is not None
         return points, covariances
@@ -133,23 +132,6 @@ def find_profiles(tool: Profiler, views: list[int], reporter: Reporter) -> list[
         found.append(profile)
         progress(done, len(views))
     return found
-
-
-def column_scatter(profiles: Sequence[Profile], along: int) -> float:
-    """How many times their stated `sigmas` the columns scatter about their straight pieces, at least 1.
-
-    Grain of the laser light and texture, which a single profile does not show, are in it. A parabola is fitted to every
-    piece, since the lens may bend it. 1 where no profile has a straight piece.
-    """
-    squares, freedom = 0.0, 0
-    for profile in profiles:
-        for number in range(profile.segments.max(initial=-1) + 1):
-            on = profile.segments == number
-            x, y = profile.pixels[on][:, along], profile.pixels[on][:, 1 - along]
-            _, rest, *_ = np.polyfit(x - x.mean(), y, 2, w=1 / profile.sigmas[on], full=True)
-            squares += float(rest.sum())
-            freedom += len(x) - 3
-    return max(1.0, float(np.sqrt(squares / freedom))) if freedom else 1.0
 
 
 def _intensity(image: Image, pixels: FloatArray) -> NDArray[np.float32]:

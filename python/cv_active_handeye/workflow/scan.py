@@ -10,17 +10,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-import cv_active_handeye as cah
-
 from ..calibration import Calibration
 from ..dataset import Dataset
 from ..files import FloatArray
 from .evidence import open_recording
-from .profiles import Profile, Profiler, column_scatter, find_profiles, profiler
+from .profiles import Profile, Profiler, find_profiles, profiler
 from .reporter import InsufficientDataError, Reporter, Silent
-
-OUT_OF_RANGE = -211
-"""`cv::Error::StsOutOfRange`."""
 
 
 @dataclass(frozen=True)
@@ -29,15 +24,14 @@ class Scan:
 
     points (N, 3): base frame, m; sigmas (N,): standard deviation of a point in its worst direction, m, from image,
     robot and calibration; infinite where the calibration leaves the position open. intensity (N,): grey level of the
-    laser image; views (N,): number of the view. scatter: by what the image part was raised, see `column_scatter`;
-    empty_views: with a laser image but without points; beyond_limit: points left out for their sigma.
+    laser image; views (N,): number of the view. empty_views: with a laser image but without points; beyond_limit:
+    points left out for their sigma.
     """
 
     points: FloatArray
     sigmas: FloatArray
     intensity: NDArray[np.float32]
     views: NDArray[np.int32]
-    scatter: float
     empty_views: tuple[int, ...] = ()
     beyond_limit: int = 0
 
@@ -61,11 +55,10 @@ def scan(
 
 
 def _cloud(tool: Profiler, profiles: list[Profile], max_sigma: float | None, reporter: Reporter) -> Scan:
-    scatter = column_scatter(profiles, tool.along)
     progress = reporter.step("placing the points in the base frame")
     parts, empty = [], []
     for done, profile in enumerate(profiles, start=1):
-        part = _placed(tool, profile, scatter, reporter)
+        part = _placed(tool, profile, reporter)
         if part is None:
             empty.append(profile.view)
         else:
@@ -85,25 +78,25 @@ def _cloud(tool: Profiler, profiles: list[Profile], max_sigma: float | None, rep
             f"{best:.3g} mm"
         )
     cloud = (points[keep], sigmas[keep], intensity[keep], views[keep])
-    return Scan(*cloud, scatter, tuple(empty), int((~keep).sum()))
+    return Scan(*cloud, tuple(empty), int((~keep).sum()))
 
 
 def _placed(
-    tool: Profiler, profile: Profile, scatter: float, reporter: Reporter
+    tool: Profiler, profile: Profile, reporter: Reporter
 ) -> tuple[FloatArray, FloatArray, NDArray[np.float32], NDArray[np.int32]] | None:
     """Points, sigmas, intensity and view numbers of one profile; None when there are no points."""
     if len(profile.pixels) == 0:
         reporter.note(f"view {profile.view}: skipped, no stripe was found")
         return None
-    try:
-        found = tool.locate(profile.view, profile.pixels, scatter * profile.sigmas)
-    except cah.error as error:
-        if getattr(error, "code", 0) != OUT_OF_RANGE:
-            raise
-        reporter.note(f"view {profile.view}: skipped, {error}")
+    points, covariances = tool.place(profile)
+    met = ~np.isnan(points[:, 0])
+    if not met.all():
+        missed = f"{(~met).sum()} of {len(met)} stripe points do not see the light plane"
+        reporter.note(f"view {profile.view}: {missed}: reflections, or the calibration is of another laser")
+    if not met.any():
         return None
-    views = np.full(len(found.points), profile.view, np.int32)
-    return found.points, worst_sigma(found.noise + found.shared), profile.intensity, views
+    views = np.full(met.sum(), profile.view, np.int32)
+    return points[met], worst_sigma(covariances[met]), profile.intensity[met], views
 
 
 def worst_sigma(covariances: FloatArray) -> FloatArray:

@@ -12,6 +12,7 @@
 #include "opencv2/active_handeye/light_plane.hpp"
 #include "opencv2/active_handeye/refine.hpp"
 #include "opencv2/active_handeye/verify.hpp"
+#include "opencv2/active_handeye/profile.hpp"
 #include "opencv2/active_handeye/measure.hpp"
 
 /**
@@ -28,6 +29,7 @@ the light plane.
                                 --> calibrateLightPlane             lightPlane
     everything at once          --> refineHandEye                   all parameters, noise levels, covariance, verdict
     stripes + calibration       --> reprojectStripe                 points in space
+                                --> locateOnStripe, findProfileCorners, measureStripePoints     characteristic points
     new views + calibration     --> verifyHandEye                   still valid?
 
 Frames are named as in cv::calibrateHandEye: R_a2b, t_a2b map a point of frame a into frame b. A scene point X of the base frame is seen at
@@ -44,6 +46,7 @@ Degenerate cases are refused: an answer that the data cannot support is a cv::Ex
     @defgroup active_handeye_stripe Laser stripes in images
     @defgroup active_handeye_light_plane Light plane
     @defgroup active_handeye_refine Joint refinement
+    @defgroup active_handeye_profile Characteristic points of a stripe
     @defgroup active_handeye_measure Points in space from stripes
     @defgroup active_handeye_verify Is a calibration still valid?
 @}
