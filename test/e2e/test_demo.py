@@ -10,6 +10,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+import trimesh
 from support.command_line import run
 
 from cv_active_handeye.calibration import Calibration
@@ -71,7 +72,7 @@ def test_no_true_parameter_is_written_into_the_data_set(result: DemoResult) -> N
 
 
 def test_pictures_are_images_with_something_on_them(result: DemoResult) -> None:
-    assert {path.name for path in result.pictures} == {"tracks.png", "motion.png", "stripe.png"}
+    assert {path.name for path in result.pictures} == {"tracks.png", "motion.png", "stripe.png", "weld_seam.png"}
     for path in result.pictures:
         picture = cv2.imread(str(path))
         assert picture is not None
@@ -102,6 +103,22 @@ def test_result_is_refined_usable_and_knows_the_noise_of_the_cell(result: DemoRe
     assert levels.robot_rotation.level == pytest.approx(np.radians(cell.repeatability_deg), rel=0.5)
     assert levels.image_points.level < 0.05
     assert levels.stated_points_px is not None
+
+
+def test_weld_joint_is_measured_from_end_to_end_near_its_true_root(result: DemoResult) -> None:
+    """The joint is 170 mm long, the stops 10 mm apart."""
+    joint = result.joint
+    assert joint.seam.length > 0.14
+    assert len(joint.seam.views) + len(joint.seam.without_groove) == 20
+    np.testing.assert_allclose(joint.seam.opening_angles, 59, atol=4)
+    assert joint.rms_mm < joint.limit_mm
+    assert joint.distances.max() < 1e-3
+    cloud = trimesh.load(result.folder / "seam.ply")
+    assert isinstance(cloud, trimesh.PointCloud)
+    np.testing.assert_array_equal(cloud.vertices, joint.seam.points)
+    scanned = trimesh.load(result.folder / "scan.ply")
+    assert isinstance(scanned, trimesh.PointCloud)
+    assert len(scanned.vertices) > 9000
 
 
 def test_intervals_are_narrow_and_few_miss_the_truth(result: DemoResult) -> None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 active_handeye contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The commands `scan` and `measure`: files, tables and one exit status per kind of answer."""
+"""The commands `scan`, `seam` and `measure`: files, tables and one exit status per kind of answer."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import pytest
 import trimesh
 from support.command_line import run
 from support.exact_recording import exact_recording
+from support.groove_recording import groove_dataset
 from support.recordings import REPOSITORY, exact_dataset
 from support.stripe_recording import calibration_of_truth, laser_dataset, true_points
 
@@ -193,3 +194,28 @@ def test_help_shows_lines_to_try() -> None:
         text = " ".join(run(command, "--help").output.split())
         assert f"Example: cv-active-handeye {command} out/scan --calibration" in text
         assert "Exit status:" in text
+
+
+def test_seam_writes_the_path_of_the_root_and_says_where_it_runs() -> None:
+    _, roots = groove_dataset(Path("set"), (-0.01, 0.0, None, 0.01))
+    result = run("seam", "set", "-o", "a/seam.csv", "--ply", "b/seam.ply", "--picture", "c/seam.png")
+    assert result.exit_code == Exit.USABLE
+    text = " ".join(result.output.split())
+    assert "Root of the groove in 3 profiles, " in text
+    assert "Without a groove: view 2." in text
+    assert "Written to a/seam.csv, b/seam.ply, c/seam.png" in text
+    with Path("a/seam.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["view"] for row in rows] == ["0", "1", "3"]
+    np.testing.assert_allclose([float(row["y"]) for row in rows], 1000 * roots[:, 1], atol=0.2)
+    picture = cv2.imread("c/seam.png")
+    assert picture is not None
+    assert picture.std() > 10
+
+
+def test_seam_without_a_groove_cannot_answer() -> None:
+    laser_dataset(Path("set"), (0, 1))
+    result = run("seam", "set")
+    assert result.exit_code == Exit.INSUFFICIENT_DATA
+    assert "needs a groove of 60 ± 20 degrees across the stripe, found none in 2 laser images" in result.output
+    assert not Path("seam.csv").exists()

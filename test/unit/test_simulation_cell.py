@@ -288,3 +288,14 @@ def test_closed_forms_recover_the_truth_from_exact_correspondences() -> None:
     _, t_cam2gripper, _ = cah.calibrateHandEyeRotation(R, t, points, K, D, R_cam2gripper)
     np.testing.assert_allclose(R_cam2gripper, truth.R_cam2gripper, atol=1e-8)
     np.testing.assert_allclose(t_cam2gripper.ravel(), truth.t_cam2gripper, atol=1e-8)
+
+
+def test_weld_seam_is_the_line_in_which_the_bevels_would_meet(cell: SimulatedCell) -> None:
+    """170 mm long; from its ends, in the bench's frame, both bevels rise under 60 degrees at both sides."""
+    assert cell.weld_seam is not None
+    ends = (cell.weld_seam - cell._T_bench2base[:3, 3]) @ cell._T_bench2base[:3, :3]
+    assert np.linalg.norm(ends[1] - ends[0]) == pytest.approx(0.170, abs=1e-9)
+    for side in ("left", "right"):
+        faces = [patch for patch in cell.scene.patches if patch.name.startswith(f"weld {side}/")]
+        [bevel] = [face for face in faces if abs(face.normal[2] - 0.5) < 1e-9]
+        np.testing.assert_allclose((ends - bevel.origin) @ bevel.normal, 0, atol=1e-12)

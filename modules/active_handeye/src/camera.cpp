@@ -42,19 +42,20 @@ Vector3d Camera::ray(const Vector2d& pixel) const
     const double y = (pixel.y() - K(1, 2)) / K(1, 1);
     const double x = (pixel.x() - K(0, 2) - K(0, 1) * y) / K(0, 0);
     const Vector2d target(x, y);
-    Vector2d ideal = target;
     if (!hasDistortion())
-        return ideal.homogeneous();
+        return target.homogeneous();
+    Vector2d ideal = 2 * target - distort(target);
+    Matrix2d J = distortJacobian(ideal);
+    if (J.determinant() <= 0)
+        J = distortJacobian(ideal = target);
     const int maxIterations = 50;
-    for (int i = 0; i < maxIterations; ++i)
+    for (int i = 0; i < maxIterations && J.determinant() > 0; ++i)
     {
-        const Matrix2d J = distortJacobian(ideal);
-        if (J.determinant() <= 0)
-            break;
         const Vector2d step = J.inverse() * (target - distort(ideal)); // Newton
         ideal += step;
-        if (step.squaredNorm() <= 1e-30 * (1 + ideal.squaredNorm()))
+        if (step.squaredNorm() <= 1e-16 * (1 + ideal.squaredNorm())) // it converges quadratically
             return ideal.homogeneous();
+        J = distortJacobian(ideal);
     }
     CV_Error(
         Error::StsOutOfRange,

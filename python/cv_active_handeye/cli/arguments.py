@@ -90,6 +90,13 @@ CloudPicture = Annotated[Path | None, typer.Option("--picture", help="PNG file f
 MaxSigmaMm = Annotated[
     float | None, typer.Option(min=0, help="Leave out points whose standard deviation is larger, mm (default: none).")
 ]
-Points = Annotated[Path, typer.Option(help="CSV file: name,view,u,v (px) and, where known, x,y,z (mm).")]
+SeamTable = Annotated[Path, typer.Option("--output", "-o", help="CSV file for the path of the seam, mm.")]
+SeamCloud = Annotated[Path | None, typer.Option("--ply", help="PLY file for the same path, m.")]
+OpeningDeg = Annotated[float, typer.Option(min=1, max=179, help="Angle between the faces of the groove, degrees.")]
+ToleranceDeg = Annotated[float, typer.Option(min=0.1, max=90, help="By which that angle may be off, degrees.")]
+Points = Annotated[
+    Path,
+    typer.Option(help="CSV file: name,view,u,v (px) and, where known, sigma (px, along the stripe), x,y,z (mm)."),
+]
 Measured = Annotated[Path | None, typer.Option("--output", "-o", help="CSV file for the measured points.")]
 Picture = Annotated[Path | None, typer.Option(help="PNG file for a picture of the errors of all views.")]

@@ -22,7 +22,7 @@ from ..workflow.verify import verify as run_verification
 from . import arguments
 from .application import Settings, app, command, print_lines
 from .console import Exit, err, out, terminal_reporter, told_errors
-from .results import result_lines, verdict_text, verification_lines
+from .results import joint_lines, result_lines, seam_lines, verdict_text, verification_lines
 from .settings import board_spec, calibration_options, cell_config
 from .tables import (
     ROTATION_NOTE,
@@ -43,9 +43,10 @@ __all__ = ["app"]
 def demo(
     output: arguments.Output = Path("out/demo"), seed: arguments.Seed = 0, robot: arguments.Robot = "denso_vp6242"
 ) -> None:
-    """Simulates a recording, calibrates from the images alone, and compares with the truth.
+    """Simulates a recording, calibrates from the images alone, measures a weld joint, and compares with the truth.
 
-    Writes the data set, truth.yaml (outside of the data set), calibration.yaml, report.html and pictures.
+    Writes the data set, truth.yaml (outside of the data set), calibration.yaml, report.html and pictures; of the weld
+    joint the scan, its point cloud scan.ply, and the seam's path seam.csv and seam.ply.
     """
     with terminal_reporter() as reporter, told_errors(Settings.debug, reporter):
         from ..workflow.demo import demo as run_demo
@@ -55,7 +56,8 @@ def demo(
     print_lines(inside_text(result), ROTATION_NOTE)
     out.print(limits_table(result))
     print_lines(verdict_text(result.calibration), *result_lines(result.calibration))
-    print_lines(f"Written to {output}: dataset/, truth.yaml, calibration.yaml, pictures/")
+    print_lines("", *seam_lines(result.joint.seam), *joint_lines(result.joint))
+    print_lines(f"Written to {output}: dataset/, truth.yaml, calibration.yaml, pictures/, scan.ply, seam.ply, seam.csv")
     print_lines(f"Report: {result.report}")
     beyond = result.beyond_limits()
     if beyond:

@@ -11,22 +11,17 @@ import numpy as np
 from ..calibration import Calibration
 from ..dataset import Dataset
 from ..measured_points import read_point_rows, write_measured
-from ..ply import write_ply
 from ..report.cloud_picture import picture_cloud
+from ..workflow.laser_files import write_cloud, write_seam_cloud, write_seam_table
 from ..workflow.measure import MeasuredPoint
 from ..workflow.measure import measure as run_measurement
-from ..workflow.scan import Scan
 from ..workflow.scan import scan as run_scan
+from ..workflow.seam import GrooveShape, find_seam
 from . import arguments
 from .application import Settings, command, print_lines
 from .console import out, terminal_reporter, told_errors
-from .results import measured_lines, scan_lines
+from .results import measured_lines, scan_lines, seam_lines
 from .tables import differences_table, measured_table
-
-PLY_COMMENTS = (
-    "written by cv-active-handeye scan; robot base frame, metres",
-    "sigma: standard deviation in the worst direction, metres; intensity: grey level; view: number in the data set",
-)
 
 
 @command(
@@ -49,16 +44,42 @@ def scan(
     with terminal_reporter() as reporter, told_errors(Settings.debug, reporter):
         limit = None if max_sigma_mm is None else max_sigma_mm / 1000
         result = run_scan(Dataset.open(dataset), Calibration.load(calibration), limit, reporter)
-        output.parent.mkdir(parents=True, exist_ok=True)
-        _write(output, result)
+        write_cloud(output, result)
         if picture is not None:
             picture_cloud(picture, result.points, result.sigmas)
     print_lines(*scan_lines(result), f"Written to {output}", *([f"Picture: {picture}"] if picture is not None else []))
 
 
-def _write(path: Path, result: Scan) -> None:
-    sigmas = result.sigmas.astype(np.float32)
-    write_ply(path, result.points, PLY_COMMENTS, sigma=sigmas, intensity=result.intensity, view=result.views)
+@command(
+    "seam out/scan --calibration out/demo/calibration.yaml -o seam.csv",
+    "seam out/scan --calibration out/demo/calibration.yaml --opening-deg 60 --ply seam.ply --picture seam.png",
+)
+def seam(
+    dataset: arguments.Dataset,
+    calibration: arguments.Applied = Path("calibration.yaml"),
+    output: arguments.SeamTable = Path("seam.csv"),
+    ply: arguments.SeamCloud = None,
+    picture: arguments.CloudPicture = None,
+    opening_deg: arguments.OpeningDeg = GrooveShape.opening_deg,
+    tolerance_deg: arguments.ToleranceDeg = GrooveShape.tolerance_deg,
+) -> None:
+    """Finds the root of a V-groove in every profile of a scan: the path of a weld seam in the robot's base frame.
+
+    The two faces of the groove are continued as lines until they meet, so that a root gap or a rounded root does not
+    matter. The opening angle is that in the light plane, which is a little smaller than the joint's where the laser
+    crosses it at a slant. Every point carries its 95 % interval, from stripe, calibration and robot.
+    """
+    with terminal_reporter() as reporter, told_errors(Settings.debug, reporter):
+        recording, used = Dataset.open(dataset), Calibration.load(calibration)
+        result = find_seam(recording, used, GrooveShape(opening_deg, tolerance_deg), reporter)
+        write_seam_table(output, result)
+        if ply is not None:
+            write_seam_cloud(ply, result)
+        if picture is not None:
+            cloud = run_scan(recording, used, None, reporter)
+            picture_cloud(picture, cloud.points, cloud.sigmas, path=result.points)
+    written = [str(output), *(str(path) for path in (ply, picture) if path is not None)]
+    print_lines(*seam_lines(result), f"Written to {', '.join(written)}")
 
 
 @command(

@@ -18,8 +18,10 @@ from ..report.words import counted, sentence, two_digits, views_listed
 if TYPE_CHECKING:
     from cv_active_handeye import VerifySummary
 
+    from ..workflow.demo_seam import MeasuredJoint
     from ..workflow.measure import MeasuredPoint
     from ..workflow.scan import Scan
+    from ..workflow.seam import Seam
     from ..workflow.verify import Verification
 
 LABELS = {f"r{axis}": f"R_cam2gripper r{axis}" for axis in "xyz"}
@@ -140,6 +142,31 @@ def scan_lines(result: Scan) -> list[str]:
     if result.beyond_limit:
         lines.append(f"Left out for their sigma: {counted(result.beyond_limit, 'point')}.")
     return lines
+
+
+def seam_lines(result: Seam) -> list[str]:
+    """Length of the path, how good its points are, from where to where it goes, and which views show no groove."""
+    points, sigmas = 1000 * result.points, 1000 * result.sigmas
+    views = counted(len(points), "profile")
+    lines = [f"Root of the groove in {views}, {1000 * result.length:.1f} mm long, in the robot's base frame."]
+    ends = (", ".join(f"{value:.2f}" for value in point) for point in points[[0, -1]])
+    lines.append(f"From ({') to ('.join(ends)}) mm.")
+    opening = f"{result.opening_angles.mean():.1f} degrees"
+    if np.isfinite(sigmas).all():
+        middle = two_digits(float(np.median(sigmas)))
+        lines.append(f"Sigma in the worst direction: median {middle} mm. Opening angle in the light plane: {opening}.")
+    else:
+        lines.append(f"Without a sigma: the calibration left something open. Opening angle: {opening}.")
+    if result.without_groove:
+        lines.append(f"Without a groove: {views_listed(result.without_groove)}.")
+    return lines
+
+
+def joint_lines(joint: MeasuredJoint) -> list[str]:
+    """How far the measured root of the simulated weld joint is from the true one."""
+    distances = 1000 * joint.distances
+    rms, largest = f"RMS {joint.rms_mm:.3f} mm", f"largest {distances.max():.3f} mm"
+    return [f"Distance from the true root: {rms}, {largest} (limit of the RMS: {joint.limit_mm:g} mm)."]
 
 
 def measured_lines(points: list[MeasuredPoint]) -> list[str]:

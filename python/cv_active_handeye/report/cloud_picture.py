@@ -20,10 +20,13 @@ INCHES = (10.0, 3.2, 11.0)
 """Width of the picture, least and largest height."""
 
 
-def picture_cloud(path: str | Path, points: FloatArray, sigmas: FloatArray) -> None:
+def picture_cloud(
+    file: str | Path, points: FloatArray, sigmas: FloatArray, path: FloatArray | None = None
+) -> None:
     """Points (N, 3) in metres of the base frame, coloured by height and by their sigmas (N,) in metres.
 
     Both panels show the two base axes in which the cloud is widest; infinite sigmas have the colour of the largest.
+    path (M, 3): drawn as a line upon the cloud, a seam for instance.
     """
     chosen = np.linspace(0, len(points) - 1, min(len(points), MOST_POINTS)).round().astype(np.int64)
     shown, sigma = 1000 * points[chosen], 1000 * sigmas[chosen]
@@ -43,6 +46,10 @@ def picture_cloud(path: str | Path, points: FloatArray, sigmas: FloatArray) -> N
     ):
         axes.set(xlabel=f"base {'xyz'[across]} [mm]", ylabel=f"base {'xyz'[up]} [mm]", xlim=x_limits, ylim=y_limits)
         axes.set_title(title, loc="left", fontsize="medium")
+        if path is not None:
+            line = 1000 * path[:, [across, up]].T
+            axes.plot(*line, color="crimson", linewidth=1.2, marker="o", markersize=2.5, label="root of the groove")
+            axes.legend(loc="upper right", fontsize="small")
         axes.set_aspect("equal")
         axes.grid(color="0.9", linewidth=0.6)
         axes.set_axisbelow(True)
@@ -50,7 +57,7 @@ def picture_cloud(path: str | Path, points: FloatArray, sigmas: FloatArray) -> N
         figure.colorbar(dots, ax=axes, label=label, extend=extend, shrink=0.85, pad=0.02)
     title = f"{len(points)} points of the laser stripe in the base frame"
     figure.suptitle(title, x=0.01, ha="left", fontsize="large")
-    save_figure(figure, path)
+    save_figure(figure, file)
 
 
 def _limits(x: FloatArray, y: FloatArray) -> tuple[tuple[float, float], tuple[float, float]]:

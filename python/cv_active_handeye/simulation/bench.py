@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 import cv2
 import numpy as np
@@ -55,6 +56,25 @@ def _weld_joint(where: Array) -> list[Patch]:
         + strip
         + feet
     )
+
+
+def weld_root(patches: Sequence[Patch]) -> Array | None:
+    """Return the ends (2, 3) of the line in which the two bevels of the weld joint would meet; None without a joint."""
+    bevels = [_bevel([p for p in patches if p.name.startswith(f"weld {side}/")]) for side in ("left", "right")]
+    if bevels[0] is None or bevels[1] is None:
+        return None
+    normals = np.array([bevel.normal for bevel in bevels if bevel is not None])
+    offsets = [bevel.normal @ bevel.origin for bevel in bevels if bevel is not None]
+    direction = np.cross(*normals) / np.linalg.norm(np.cross(*normals))
+    point = np.linalg.lstsq(normals, np.array(offsets), rcond=None)[0]
+    along = (bevels[0].vertices - point) @ direction
+    return np.asarray(point + np.outer([along.min(), along.max()], direction))
+
+
+def _bevel(faces: Sequence[Patch]) -> Patch | None:
+    """The one face that is neither level nor upright."""
+    oblique = [face for face in faces if 0.3 < face.normal[2] < 0.8]
+    return oblique[0] if oblique else None
 
 
 def _bolts(rng: np.random.Generator) -> list[Patch]:

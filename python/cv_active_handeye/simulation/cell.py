@@ -17,7 +17,7 @@ from ..dataset import Dataset
 from ..dataset_format import CameraInfo, LaserInfo
 from ..robots import kinematics
 from . import exact, motion
-from .bench import workbench
+from .bench import weld_root, workbench
 from .config import CellConfig
 from .exact import StripeTruth
 from .laser import Laser
@@ -133,6 +133,12 @@ class SimulatedCell:
             if progress is not None:
                 progress(i + 1, len(stops))
         return dataset
+
+    @cached_property
+    def weld_seam(self) -> Array | None:
+        """Ends (2, 3) of the root of the weld joint, m, base frame; None without one."""
+        root = weld_root(self.scene.patches)
+        return None if root is None else root @ self._T_bench2base[:3, :3].T + self._T_bench2base[:3, 3]
 
     @property
     def truth(self) -> Truth:

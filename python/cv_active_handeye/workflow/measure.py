@@ -110,27 +110,13 @@ def _nothing_near(profile: Profile, row: PointRow) -> str:
 def _placed(
     tool: Profiler, names: Sequence[str], located: Sequence[_Located], reporter: Reporter
 ) -> list[MeasuredPoint]:
-    calibration, dataset = tool.calibration, tool.dataset
+    pixels, spread = [one.pixel for one in located], [one.covariance for one in located]
+    views, ids = [one.row.view for one in located], [names.index(one.row.name) for one in located]
     try:
-        positions, covariances, disagreements = cah.measureStripePoints(
-            dataset.R_gripper2base,
-            dataset.t_gripper2base,
-            [one.pixel for one in located],
-            [one.row.view for one in located],
-            [names.index(one.row.name) for one in located],
-            calibration.camera_matrix,
-            calibration.distortion_coefficients,
-            tool.light_plane,
-            calibration.R_cam2gripper,
-            calibration.t_cam2gripper,
-            calibrationCovariance=calibration.covariance,
-            pixelCovariances=[one.covariance for one in located],
-            robotTranslationSigma=tool.robot_translation_sigma,
-            robotRotationSigma=tool.robot_rotation_sigma,
-        )
+        positions, covariances, disagreements = tool.measure(pixels, spread, views, ids)
     except cah.error as error:
         raise FileFormatError(f"the points cannot be placed: {error}") from error
-    for one, disagreement in zip(located, disagreements.reshape(-1), strict=True):
+    for one, disagreement in zip(located, disagreements, strict=True):
         if disagreement > DISAGREEMENT:
             reporter.note(
                 f"point {one.row.name}: view {one.row.view} contradicts the others by more than noise explains "

@@ -7,6 +7,7 @@ Stripe and points come from `cah.detectStripe`, `cah.splitStripe`, `cah.locateOn
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -49,6 +50,12 @@ class Profiler:
     light_plane: FloatArray
     robot_translation_sigma: float
     robot_rotation_sigma: float
+    least_columns: int
+
+    @property
+    def orientation(self) -> int:
+        """Of the stripe, for the functions of `cah`."""
+        return int(cah.STRIPE_VERTICAL if self.along else cah.STRIPE_HORIZONTAL)
 
     @property
     def along(self) -> int:
@@ -64,7 +71,8 @@ class Profiler:
         pixels, sigmas = cah.detectStripe(image, background=self.dataset.image(view), params=params)
         K, D = self.calibration.camera_matrix, self.calibration.distortion_coefficients
         found = len(pixels) > 0
-        segments = cah.splitStripe(pixels, sigmas, K, D) if found else np.zeros(0, np.int32)
+        least = self.least_columns
+        segments = cah.splitStripe(pixels, sigmas, K, D, minPoints=least) if found else np.zeros(0, np.int32)
         return Profile(view, pixels, sigmas.reshape(-1), segments.reshape(-1), _intensity(image, pixels))
 
     def on_stripe(self, profile: Profile, pixel: FloatArray, sigma: float) -> tuple[FloatArray, FloatArray]:
@@ -80,7 +88,7 @@ class Profiler:
             self.calibration.camera_matrix,
             self.calibration.distortion_coefficients,
             sigmaAlong=sigma,
-            orientation=int(cah.STRIPE_VERTICAL if self.along else cah.STRIPE_HORIZONTAL),
+            orientation=self.orientation,
             maxDistance=NEAR,
         )
         return points[0], covariances[0]
@@ -107,8 +115,44 @@ class Profiler:
         assert covariances is not None
         return points, covariances
 
+    def measure(
+        self,
+        pixels: Sequence[FloatArray],
+        covariances: Sequence[FloatArray],
+        views: Sequence[int],
+        point_ids: Sequence[int],
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Points (P, 3) m in the base frame and covariances (P, 3, 3) m^2, from N pixels (2,) and their covariances
+        (2, 2) px^2, each of the point `point_ids` seen in `views`; and (N,) how far each contradicts its point.
 
-def profiler(dataset: Dataset, calibration: Calibration, reporter: Reporter) -> Profiler:
+        Raises `cah.error` (StsOutOfRange) for pixels whose ray does not meet the light plane in front of the camera.
+        """
+        points, spread, disagreements = cah.measureStripePoints(
+            self.dataset.R_gripper2base,
+            self.dataset.t_gripper2base,
+            pixels,
+            views,
+            point_ids,
+            self.calibration.camera_matrix,
+            self.calibration.distortion_coefficients,
+            self.light_plane,
+            self.calibration.R_cam2gripper,
+            self.calibration.t_cam2gripper,
+            calibrationCovariance=self.calibration.covariance,
+            pixelCovariances=covariances,
+            robotTranslationSigma=self.robot_translation_sigma,
+            robotRotationSigma=self.robot_rotation_sigma,
+        )
+        return points, spread, disagreements.reshape(-1)
+
+
+LEAST_COLUMNS = 20
+"""Of a straight piece."""
+
+
+def profiler(
+    dataset: Dataset, calibration: Calibration, reporter: Reporter, least_columns: int = LEAST_COLUMNS
+) -> Profiler:
     """`FileFormatError` for a calibration without light plane, of version 1, or for images of another size."""
     levels = noise_levels_for(dataset, calibration, reporter)
     if calibration.light_plane is None:
@@ -116,7 +160,7 @@ def profiler(dataset: Dataset, calibration: Calibration, reporter: Reporter) -> 
             "calibration: needs a light plane, has none; record laser images (laser_image) and calibrate again"
         )
     translation, rotation = levels.robot_translation.level, levels.robot_rotation.level
-    return Profiler(dataset, calibration, calibration.light_plane, translation, rotation)
+    return Profiler(dataset, calibration, calibration.light_plane, translation, rotation, least_columns)
 
 
 def find_profiles(tool: Profiler, views: list[int], reporter: Reporter) -> list[Profile]:
