@@ -53,13 +53,13 @@ demo: setup
 test: test-cpp test-python
 
 test-cpp: setup
-	@cmake -S . -B $(BUILD) -DACTIVE_HANDEYE_BUILD_TESTS=ON >$(BUILD)/configure.log || { cat $(BUILD)/configure.log; exit 1; }
+	-@scripts/system-packages $(PYTHON) test
+	@cmake -S . -B $(BUILD) -DACTIVE_HANDEYE_BUILD_TESTS=ON -DACTIVE_HANDEYE_BUILD_SAMPLES=ON >$(BUILD)/configure.log || { cat $(BUILD)/configure.log; exit 1; }
 	@cmake --build $(BUILD) --target tests
 	$(BUILD)/bin/active_handeye_test --gtest_brief=1
 	$(BUILD)/bin/active_handeye_test_internal --gtest_brief=1
 
 test-python: test-cpp
-	-@scripts/system-packages $(PYTHON) test
 	$(BIN)/python -m pytest
 
 lint: setup

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +14,7 @@ import numpy as np
 import pytest
 import trimesh
 from support.command_line import run
+from support.recordings import REPOSITORY
 
 from cv_active_handeye.calibration import Calibration
 from cv_active_handeye.cli.console import Exit
@@ -119,6 +122,22 @@ def test_weld_joint_is_measured_from_end_to_end_near_its_true_root(result: DemoR
     scanned = trimesh.load(result.folder / "scan.ply")
     assert isinstance(scanned, trimesh.PointCloud)
     assert len(scanned.vertices) > 9000
+
+
+def test_samples_find_the_seam_of_the_command(result: DemoResult) -> None:
+    """The sample in Python and the one in C++, which `make test` builds where OpenCV's imgcodecs and yaml-cpp are."""
+    files = [str(result.folder / "scan"), str(result.folder / "calibration.yaml")]
+    samples = [[sys.executable, str(REPOSITORY / "samples/python/05_weld_seam.py")]]
+    compiled = REPOSITORY / "build/python/bin/weld_seam"
+    if compiled.exists():
+        samples.append([str(compiled)])
+    for sample in samples:
+        printed = subprocess.run([*sample, *files], capture_output=True, text=True, check=True).stdout
+        table = np.genfromtxt(printed.splitlines()[1:], delimiter=",")
+        np.testing.assert_array_equal(table[:, 0], result.joint.seam.views)
+        np.testing.assert_allclose(table[:, 1:4], 1000 * result.joint.seam.points, atol=6e-4)
+        sigmas = np.sqrt(np.diagonal(result.joint.seam.covariances, axis1=1, axis2=2))
+        np.testing.assert_allclose(table[:, 4:], 1000 * sigmas, atol=6e-4)
 
 
 def test_intervals_are_narrow_and_few_miss_the_truth(result: DemoResult) -> None:
