@@ -16,7 +16,7 @@ from .parts import Array
 ROWS = ((0, 1, 2, 3), (4, 5, 6), (7, 8, 9), (10,), (11,), (12,), (13,), (14,))
 """Which of the marks S1 to S15 one stripe crosses."""
 
-ASPECTS = ((9.0, 12.0), (-9.0, -12.0), (9.0, -12.0), (-9.0, 12.0))
+ASPECTS = ((6.0, 12.0), (-9.0, -12.0), (6.0, -12.0), (-9.0, 12.0))
 """Degrees by which camera and laser are turned about the row of marks and, within the light's plane, about its normal;
 one view each."""
 
