@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from support.exact_recording import exact_recording
 
 import cv_active_handeye as cah
-from cv_active_handeye.report import picture_motion, picture_stripe, picture_tracks
+from cv_active_handeye.report import picture_motion, picture_points, picture_stripe, picture_tracks
 from cv_active_handeye.report.cloud_picture import picture_cloud
-from cv_active_handeye.report.pictures import GROUP_COLOURS, UNSURE_COLOUR
+from cv_active_handeye.report.pictures import GROUP_COLOURS, POINT_COLOUR, UNSURE_COLOUR
 
 
 def share_of(path: Path, colour: str) -> float:
@@ -63,6 +63,16 @@ def test_motion_has_one_colour_for_every_orientation(tmp_path: Path) -> None:
     picture_motion(tmp_path / "motion.png", *poses, groups, (0.2, 0.2))
     for colour in GROUP_COLOURS[:4]:
         assert share_of(tmp_path / "motion.png", colour) > 3e-4, colour
+
+
+@pytest.mark.parametrize("views", [1, 3])
+def test_points_are_marked_in_the_image_of_their_view(tmp_path: Path, views: int) -> None:
+    points = [{f"S{3 * view + i}": (100.0 * (i + 1), 60.0 + 120 * view) for i in range(3)} for view in range(views)]
+    picture_points(tmp_path / "points.png", [(grey(), one) for one in points])
+    marked = share_of(tmp_path / "points.png", POINT_COLOUR)
+    picture_points(tmp_path / "bare.png", [(grey(), {}) for _ in points])
+    assert marked > 3e-4
+    assert share_of(tmp_path / "bare.png", POINT_COLOUR) == 0
 
 
 @pytest.mark.parametrize("shape", ["tall", "wide", "one profile", "one point"])

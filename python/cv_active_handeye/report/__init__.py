@@ -4,13 +4,14 @@
 
 from .errors import CalibrationErrors, calibration_errors, inside_intervals, true_parameters
 from .page import write_report
-from .pictures import picture_motion, picture_stripe, picture_tracks, picture_view_errors
+from .pictures import picture_motion, picture_points, picture_stripe, picture_tracks, picture_view_errors
 
 __all__ = [
     "CalibrationErrors",
     "calibration_errors",
     "inside_intervals",
     "picture_motion",
+    "picture_points",
     "picture_stripe",
     "picture_tracks",
     "picture_view_errors",

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -142,6 +142,22 @@ def picture_view_errors(
         Line2D([], [], color="black", linewidth=2, label="expected from image, robot and calibration"),
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
+    save_figure(figure, path)
+
+
+def picture_points(path: str | Path, views: Sequence[tuple[NDArray[Any], Mapping[str, tuple[float, float]]]]) -> None:
+    """Named points (u, v) px, each over the image of its view: (image, points by name), two views side by side."""
+    height, width = views[0][0].shape[:2]
+    rows = -(-len(views) // 2)
+    figure = Figure(figsize=(10.0, 5.0 * rows * height / width), layout="constrained")
+    for axes, (image, points) in zip(figure.subplots(rows, 2, squeeze=False).flat, views, strict=False):
+        _show_image(axes, image)
+        for name, (u, v) in points.items():
+            axes.plot(u, v, "+", color=POINT_COLOUR, markersize=9)
+            axes.annotate(name, (u, v), (5, 7), textcoords="offset points", color=POINT_COLOUR, fontsize=9)
+        axes.set(xlabel="", ylabel="", title=", ".join(points))
+    for axes in figure.axes[len(views) :]:
+        axes.set_axis_off()
     save_figure(figure, path)
 
 

@@ -21,22 +21,23 @@ def workbench(rng: np.random.Generator) -> list[Patch]:
     x, y = BENCH_SIZE
     corners = np.array([[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]]) / 2
     parts = [polygon_patch("bench", "bench", corners)]
-    parts += _weld_joint(_near(0.016, -0.008, 0.016, (0, 0, 2), rng))
-    parts += plate("plate left", "rust", (0.075, 0.175, 0.006), _near(-0.092, 0.006, 0.034, (4, 21, -5), rng))
-    parts += plate("plate right", "paint", (0.080, 0.150, 0.006), _near(0.116, -0.022, 0.030, (-5, -17, 4), rng))
-    parts += plate("ramp", "stone", (0.110, 0.080, 0.006), _near(-0.005, 0.146, 0.032, (19, 3, 10), rng))
-    parts += box("box tall", "card", (0.046, 0.040, 0.058), _near(0.128, 0.104, 0.0, (0, 0, 24), rng))
-    parts += box("box flat", "card", (0.070, 0.052, 0.022), _near(-0.118, 0.142, 0.0, (0, 0, -13), rng))
-    parts += box("box small", "steel", (0.034, 0.048, 0.036), _near(0.064, 0.090, 0.0, (0, 0, -38), rng))
-    parts += box("block", "stone", (0.064, 0.046, 0.030), _near(-0.030, -0.152, 0.0, (0, 0, 17), rng))
+    parts += _weld_joint(near(0.016, -0.008, 0.016, (0, 0, 2), rng))
+    parts += plate("plate left", "rust", (0.075, 0.175, 0.006), near(-0.092, 0.006, 0.034, (4, 21, -5), rng))
+    parts += plate("plate right", "paint", (0.080, 0.150, 0.006), near(0.116, -0.022, 0.030, (-5, -17, 4), rng))
+    parts += plate("ramp", "stone", (0.110, 0.080, 0.006), near(-0.005, 0.146, 0.032, (19, 3, 10), rng))
+    parts += box("box tall", "card", (0.046, 0.040, 0.058), near(0.128, 0.104, 0.0, (0, 0, 24), rng))
+    parts += box("box flat", "card", (0.070, 0.052, 0.022), near(-0.118, 0.142, 0.0, (0, 0, -13), rng))
+    parts += box("box small", "steel", (0.034, 0.048, 0.036), near(0.064, 0.090, 0.0, (0, 0, -38), rng))
+    parts += box("block", "stone", (0.064, 0.046, 0.030), near(-0.030, -0.152, 0.0, (0, 0, 17), rng))
     for x, y, turn in ((-0.055, 0.108, 12), (0.052, -0.150, 80), (-0.150, -0.118, -20), (0.165, 0.040, -75)):
-        parts += box("label", "label", (0.042, 0.024, 0.0003), _near(x, y, 0.0, (0, 0, turn), rng))
-    parts += _bolts(rng)
-    parts += _casting(_near(0.100, -0.148, 0.004, (0, 0, 8), rng), rng)
-    return _numbered(parts)
+        parts += box("label", "label", (0.042, 0.024, 0.0003), near(x, y, 0.0, (0, 0, turn), rng))
+    parts += bolts(rng)
+    parts += casting(near(0.100, -0.148, 0.004, (0, 0, 8), rng), rng)
+    return numbered(parts)
 
 
-def _near(x: float, y: float, z: float, euler_deg: tuple[float, float, float], rng: np.random.Generator) -> Array:
+def near(x: float, y: float, z: float, euler_deg: tuple[float, float, float], rng: np.random.Generator) -> Array:
+    """The pose at about (x, y), turned by about these angles; what is not turned stays upright."""
     shift = rng.uniform(-0.003, 0.003, 2)
     turn = np.array(euler_deg) + rng.uniform(-1.5, 1.5, 3) * [abs(a) > 0 for a in euler_deg]
     return pose(x + shift[0], y + shift[1], z, turn.tolist())
@@ -77,17 +78,18 @@ def _bevel(faces: Sequence[Patch]) -> Patch | None:
     return oblique[0] if oblique else None
 
 
-def _bolts(rng: np.random.Generator) -> list[Patch]:
+def bolts(rng: np.random.Generator) -> list[Patch]:
+    """Bolts with washers, between the other parts."""
     spots = [(0.058, -0.118), (-0.066, -0.118), (0.060, 0.122), (-0.062, 0.126), (-0.165, -0.085), (0.178, 0.080)]
     out: list[Patch] = []
     for x, y in spots:
-        where = _near(x, y, 0.0, (0, 0, float(rng.uniform(1, 60))), rng)
+        where = near(x, y, 0.0, (0, 0, float(rng.uniform(1, 60))), rng)
         out += bolt("washer", "steel", 0.011, 0.002, 16, where)
         out += bolt("bolt", "steel", 0.0075, 0.008, 6, where @ pose(0, 0, 0.002))
     return out
 
 
-def _casting(where: Array, rng: np.random.Generator) -> list[Patch]:
+def casting(where: Array, rng: np.random.Generator) -> list[Patch]:
     """A rough casting of 100 x 76 mm with hills of some millimetres."""
     step, size = 0.002, (0.100, 0.076)
     rows, columns = round(size[1] / step) + 1, round(size[0] / step) + 1
@@ -101,6 +103,7 @@ def _casting(where: Array, rng: np.random.Generator) -> list[Patch]:
     return [height_field("casting", "stone", size, Relief(height, step), where @ pose(0, 0, -0.003))]
 
 
-def _numbered(patches: list[Patch]) -> list[Patch]:
+def numbered(patches: list[Patch]) -> list[Patch]:
+    """The patches, planar ones with their numbers."""
     planar = iter(range(len(patches)))
     return [p if p.relief is not None else dataclasses.replace(p, surface_id=next(planar)) for p in patches]

@@ -16,14 +16,16 @@ from scipy.spatial.transform import Rotation
 from ..dataset import Dataset
 from ..dataset_format import CameraInfo, LaserInfo
 from ..robots import kinematics
-from . import exact, motion
+from . import exact, marks, motion
 from .bench import weld_root, workbench
 from .config import CellConfig
+from .desk import desk
 from .exact import StripeTruth
 from .laser import Laser
+from .lettering import Mark
 from .light import Lamp
 from .optics import Camera, Sensor
-from .parts import Array
+from .parts import Array, Patch
 from .render import Renderer
 from .robot_errors import RobotErrors
 from .scene import Scene
@@ -32,7 +34,7 @@ from .truth import TrueView, Truth
 Image = NDArray[np.uint8] | NDArray[np.uint16]
 
 _HARDWARE, _SCENE, _ROBOT, _SENSOR, _BUMP = range(5)  # keys of the independent random streams
-_FIRST_STOP = {"default": 0, "check": 1000, "scan": 2000}  # every visit has noise of its own
+_FIRST_STOP = {"default": 0, "check": 1000, "scan": 2000, "experiment": 3000}  # every visit has noise of its own
 _LAMPS = [Lamp((-0.35, 0.30, 0.9), 0.12, 0.62), Lamp((0.5, -0.1, 1.1), 0.25, 0.30)]
 _AMBIENT, _AMBIENT_WITHOUT_LAMP = 0.22, 1.0
 _AIM = np.array([0.0, 0.0, 0.02])
@@ -73,7 +75,16 @@ class SimulatedCell:
     @cached_property
     def scene(self) -> Scene:
         """The workbench, in its own frame."""
-        return _scene(self.config)
+        patches, _, rng = _things(self.config)
+        c = self.config
+        repeat = c.repeat_mm if c.texture == "repeated" else 0.0
+        lamps, ambient = (_LAMPS, _AMBIENT) if c.lamp else ([], _AMBIENT_WITHOUT_LAMP)
+        return Scene(patches, c.texel_mm, lamps, ambient, repeat, rng)
+
+    @cached_property
+    def marks(self) -> list[Mark]:
+        """The marks of the scene, in its own frame; a scene that is not the experiment's has none."""
+        return _things(self.config)[1]
 
     @cached_property
     def _renderer(self) -> Renderer:
@@ -84,10 +95,15 @@ class SimulatedCell:
     def plan(self) -> list[Array]:
         """Return the commanded poses (4, 4), gripper to base, of the motion, all reachable; they know of no bump."""
         to_gripper = np.linalg.inv(self._T_mount2gripper)
-        cameras = motion.camera_poses(motion.LOOKS[self.config.motion](), _AIM)
+        cameras = self._cameras()
         poses = [self._T_bench2base @ pose @ to_gripper for pose in cameras]
         motion.check_motion(self.arm, poses)
         return poses
+
+    def _cameras(self) -> list[Array]:
+        if self.config.motion == "experiment":
+            return marks.measuring_poses(self.laser, self.marks)
+        return motion.camera_poses(motion.LOOKS[self.config.motion](), _AIM)
 
     def capture(self, T_gripper2base: Array, index: int | None = None) -> SimulatedView:
         """Move to a commanded pose (4, 4) and take an image with the laser off and, if there is one, on.
@@ -170,6 +186,20 @@ class SimulatedCell:
         """Return where the centre of the stripe crosses each image column, on which surface, exactly."""
         return exact.stripe(self.scene, self.camera, self.laser, self._T_cam2bench(view.T_true))
 
+    def crossings(self, T_gripper2base: Array) -> tuple[Array, Array]:
+        """Return where the light crosses the centre lines of the marks' strokes with the flange at a true pose (4, 4).
+
+        Points (M, 3) in the base frame, m, and their pixels (M, 2); exact, whether in the image and lit or not.
+        """
+        T_cam2bench = self._T_cam2bench(T_gripper2base)
+        points = marks.crossings(self.laser, T_cam2bench, self.marks)
+        pixels = self.camera.project((points - T_cam2bench[:3, 3]) @ T_cam2bench[:3, :3])
+        return self.in_base(points), pixels
+
+    def in_base(self, points: Array) -> Array:
+        """Return points (..., 3) of the scene's frame in the base frame, m."""
+        return np.asarray(points @ self._T_bench2base[:3, :3].T + self._T_bench2base[:3, 3])
+
     def _T_cam2bench(self, T_gripper2base: Array) -> Array:
         return np.asarray(np.linalg.inv(self._T_bench2base) @ T_gripper2base @ self._T_cam2gripper)
 
@@ -227,9 +257,8 @@ def _bench_pose(config: CellConfig, rng: np.random.Generator) -> Array:
     return _pose(turn, np.array(_BENCH[config.robot]) + rng.uniform(-0.003, 0.003, 3))
 
 
-def _scene(config: CellConfig) -> Scene:
+def _things(config: CellConfig) -> tuple[list[Patch], list[Mark], np.random.Generator]:
+    """Patches and marks of the scene, and the source of its textures."""
     rng = np.random.default_rng([config.seed, _SCENE])
-    patches = workbench(rng)
-    repeat = config.repeat_mm if config.texture == "repeated" else 0.0
-    lamps, ambient = (_LAMPS, _AMBIENT) if config.lamp else ([], _AMBIENT_WITHOUT_LAMP)
-    return Scene(patches, config.texel_mm, lamps, ambient, repeat, rng)
+    patches, placed = desk(rng) if config.scene == "experiment" else (workbench(rng), [])
+    return patches, placed, rng

@@ -28,8 +28,10 @@ class CellConfig(BaseModel):
     laser_sigma_mm: Gaussian half width of the light sheet; 0.65 mm is 1.7 px at 0.55 m.
     laser_speckle: relative contrast of the stripe's grain.
     samples_per_axis: rays per pixel and axis (2 = 4 rays a pixel).
+    scene: "workbench" = a welding jig and parts around it; "experiment" = the paper's: a printed sheet and five blocks.
     motion: "default" = the 14 stops of a calibration; "check" = 5 other stops, at another time, to verify one; "scan" =
-        40 stops in a straight line across the bench, at a third time, to measure with one.
+        40 stops in a straight line across the bench, at a third time, to measure with one; "experiment" = 32 stops that
+        light the marks of the experiment's scene, four views for every row of marks.
     bump_mm, bump_deg: how far the camera and its laser were pushed out of their mounting, in a direction and about an
         axis that the seed draws.
     """
@@ -63,9 +65,16 @@ class CellConfig(BaseModel):
     laser_sigma_mm: float = Field(default=0.65, gt=0)
     laser_speckle: float = Field(default=0.06, ge=0)
     samples_per_axis: int = Field(default=2, ge=2, le=8)
-    motion: Literal["default", "check", "scan"] = "default"
+    scene: Literal["workbench", "experiment"] = "workbench"
+    motion: Literal["default", "check", "scan", "experiment"] = "default"
     bump_mm: float = Field(default=0.0, ge=0, le=50)
     bump_deg: float = Field(default=0.0, ge=0, le=20)
+
+    @model_validator(mode="after")
+    def _marks_to_measure(self) -> CellConfig:
+        if self.motion == "experiment" and self.scene != "experiment":
+            raise ValueError(f"motion: 'experiment' needs the scene 'experiment', got {self.scene!r}")
+        return self
 
     @model_validator(mode="after")
     def _even_texture(self) -> CellConfig:

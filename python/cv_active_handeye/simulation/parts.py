@@ -32,11 +32,19 @@ class Relief:
 
 
 @dataclass(frozen=True)
+class Lettering:
+    """Print on a plane: ends (N, 2, 3) of the centre lines of straight strokes, and their widths (N,), metres."""
+
+    ends: Array
+    widths: Array
+
+
+@dataclass(frozen=True)
 class Patch:
     """Triangles that share one plane of texture: (u, v) = axes @ (X - origin), both in metres.
 
     vertices (N, 3), faces (M, 3), outward normal by the right-hand rule; size = extent (u, v) in metres;
-    surface_id = number of the plane for `planar` patches, -1 otherwise.
+    surface_id = number of the plane for `planar` patches, -1 otherwise; lettering = what is printed on it.
     """
 
     name: str
@@ -48,6 +56,7 @@ class Patch:
     size: tuple[float, float]
     surface_id: int = -1
     relief: Relief | None = None
+    lettering: Lettering | None = None
 
     @property
     def normal(self) -> Array:

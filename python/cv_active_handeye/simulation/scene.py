@@ -15,6 +15,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from . import light
+from .lettering import print_on
 from .light import Lamp
 from .parts import Array, Patch
 from .texture import STYLES, synthesize, tile
@@ -82,6 +83,9 @@ class Scene:
                 albedo = tile(shape, texel_mm, np.random.default_rng(tile_seed), repeat_mm)
             else:
                 albedo = synthesize(STYLES[patch.style], shape, texel_mm, rng)[::-1]  # rows go up on the part
+            if patch.lettering is not None:
+                ends = patch.lettering.ends @ self._axes[i].T - self._origin[i]
+                albedo = print_on(albedo, ends, patch.lettering.widths / (texel_mm / 1000))
             span = slice(self.texture_start[i], self.texture_start[i + 1])
             self.albedo[span] = albedo.ravel()
             self.radiance[span] = (albedo * light.stretched(irradiance, shape)).ravel()

@@ -39,6 +39,7 @@ STYLES: dict[str, Style] = {
     "rust": Style(albedo=0.42, noise=0.13, leaf_cover=1.6, leaf_contrast=0.13, leaf_radius_mm=(0.4, 4.0)),
     "card": Style(albedo=0.62, noise=0.04, leaf_cover=0.30, leaf_contrast=0.12, glyphs_per_cm2=1.5),
     "label": Style(albedo=0.78, noise=0.03, leaf_cover=0.10, leaf_contrast=0.10, glyphs_per_cm2=5.0, glyph_mm=(2, 4)),
+    "paper": Style(albedo=0.75, noise=0.012, leaf_cover=0.02, leaf_contrast=0.03, scratches_per_cm2=0.0, grain=0.008),
     "paint": Style(albedo=0.31, noise=0.05, leaf_cover=0.6, leaf_contrast=0.20, scratches_per_cm2=2.5),
     "stone": Style(albedo=0.46, noise=0.08, leaf_cover=2.5, leaf_contrast=0.17, scratches_per_cm2=0.2),
 }

@@ -90,18 +90,19 @@ def _check_view(tool: Profiler, row: PointRow) -> None:
 
 
 def _located(tool: Profiler, profile: Profile, row: PointRow) -> _Located:
-    pixel, covariance = tool.on_stripe(profile, np.array([row.u, row.v]), row.sigma)
+    pixel, covariance = tool.on_line(profile, np.array([row.u, row.v]), row.sigma)
     if not np.isfinite(pixel).all():
-        raise FileFormatError(_nothing_near(profile, row))
+        raise FileFormatError(f"{row.where}: {nothing_near(profile, np.array([row.u, row.v]))}")
     return _Located(row, pixel, covariance)
 
 
-def _nothing_near(profile: Profile, row: PointRow) -> str:
-    pixel = f"({row.u:g}, {row.v:g})"
-    needed = f"{row.where}: needs a straight piece of the stripe within {NEAR:g} px of {pixel} in view {row.view}"
+def nothing_near(profile: Profile, pixel: FloatArray) -> str:
+    """What is wrong at a pixel (2,) beside which a profile has no straight piece."""
+    u, v = pixel
+    needed = f"needs a straight piece of the stripe within {NEAR:g} px of ({u:g}, {v:g}) in view {profile.view}"
     if len(profile.pixels) == 0:
         return f"{needed}; the view shows no stripe"
-    far = np.hypot(*(profile.pixels - [row.u, row.v]).T)
+    far = np.hypot(*(profile.pixels - pixel).T)
     u, v = profile.pixels[np.argmin(far)]
     why = "the stripe is not straight around" if far.min() <= NEAR else "the nearest point of the stripe is"
     return f"{needed}; {why} ({u:.1f}, {v:.1f})"

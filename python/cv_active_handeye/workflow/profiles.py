@@ -75,10 +75,13 @@ class Profiler:
         segments = cah.splitStripe(pixels, sigmas, K, D, minPoints=least) if found else np.zeros(0, np.int32)
         return Profile(view, pixels, sigmas.reshape(-1), segments.reshape(-1), _intensity(image, pixels))
 
-    def on_stripe(self, profile: Profile, pixel: FloatArray, sigma: float) -> tuple[FloatArray, FloatArray]:
-        """The point (2,) px of a straight piece of the stripe that `pixel` (2,) names, and its covariance (2, 2) px^2.
+    def on_line(
+        self, profile: Profile, pixel: FloatArray, sigma: float = 0.0, orientation: int | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """The point (2,) px of a straight piece of the line that `pixel` (2,) names, and its covariance (2, 2) px^2.
 
-        sigma: standard deviation of `pixel` along the stripe, px. NaN where no straight piece is within `NEAR`.
+        sigma: standard deviation of `pixel` along the line, px; orientation: None = that of the stripe. NaN where no
+        straight piece is within `NEAR`.
         """
         points, covariances = cah.locateOnStripe(
             profile.pixels,
@@ -88,7 +91,7 @@ class Profiler:
             self.calibration.camera_matrix,
             self.calibration.distortion_coefficients,
             sigmaAlong=sigma,
-            orientation=self.orientation,
+            orientation=self.orientation if orientation is None else orientation,
             maxDistance=NEAR,
         )
         return points[0], covariances[0]
