@@ -20,12 +20,16 @@ from .report import Cell, Measure, Report, Table, format_cell
 
 REPOSITORY = Path(__file__).parents[1]
 REPORTS = REPOSITORY / "out/benchmark"
-NAMES = (
-    *("demo", "experiment", "refine", "lens_models", "measured_points", "opencv_boards", "protocols", "degenerate"),
-    *("robust", "closed_form", "foe", "speed", "refine_speed", "tracking", "detectors", "real_data"),
+PARALLEL = (
+    *("demo", "experiment", "seam", "light_plane", "refine", "lens_models", "measured_points", "opencv_boards"),
+    *("protocols", "degenerate", "robust"),
 )
-PARALLEL = set(NAMES[:9])
 """Those that run their trials on the workers of cluster.py."""
+NAMES = (
+    *PARALLEL,
+    *("closed_form", "foe", "speed", "refine_speed", "stripe_centre", "reproject_speed", "tracking", "detectors"),
+    "real_data",
+)
 MARKERS = "<!-- accuracy: written by make bench -->", "<!-- end of accuracy -->"
 
 
@@ -60,6 +64,7 @@ HEADLINES = (
     Headline("experiment", "median of the largest*", "- the largest of the 15 [mm]"),
     Headline("experiment", "RMSE / predicted", "- RMSE / predicted"),
     Headline("experiment", "*coverage off*", "- coverage of its 95 % intervals is off by [%]"),
+    Headline("seam", "*median*", "root of a weld joint, from images alone: RMS distance [mm]"),
     Headline(
         "closed_form",
         "four translations*RMSE / bound",
@@ -83,6 +88,9 @@ HEADLINES = (
     ),
     Headline("refine_speed", "*fastest of Ceres", "refinement, 24 views x 200 points: time / the best solver of Ceres"),
     Headline("refine_speed", "scipy*", "- times as fast as `scipy.optimize.least_squares`"),
+    Headline("stripe_centre", "*RMSE / bound*", "`detectStripe`: RMSE of the centre / Cramér-Rao bound"),
+    Headline("stripe_centre", "*GaussianBlur*", "- time / that of `cv2.GaussianBlur` 5 x 5"),
+    Headline("reproject_speed", "reprojectStripe: *", "`reprojectStripe`: million points a second"),
     Headline("tracking", "*sigma*", "tracks of the default scene: robust sigma [px]"),
 )
 

@@ -35,7 +35,7 @@ def result(errors: CalibrationErrors) -> DemoResult:
 def joint(distance_mm: float = 0.3) -> MeasuredJoint:
     """A seam of two points, both this far from the true root."""
     seam = Seam(np.zeros((2, 3)), np.zeros((2, 3, 3)), np.full(2, 60.0), np.arange(2, dtype=np.int32))
-    return MeasuredJoint(seam, np.full(2, distance_mm / 1000), Path("out/pictures/weld_seam.png"))
+    return MeasuredJoint(seam, np.eye(3)[:2], np.full(2, distance_mm / 1000), Path("out/pictures/weld_seam.png"))
 
 
 def test_errors_at_their_limits_are_usable() -> None:

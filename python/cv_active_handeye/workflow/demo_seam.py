@@ -27,9 +27,11 @@ LIMIT_MM = 0.6
 
 @dataclass(frozen=True)
 class MeasuredJoint:
-    """The seam's path, the distances (N,) of its points from the line of the true root in m, and the picture."""
+    """The seam's path, the ends (2, 3) of the true root, the distances (N,) of the path's points from its line, all in
+    metres of the base frame, and the picture."""
 
     seam: Seam
+    root: FloatArray
     distances: FloatArray
     picture: Path
     limit_mm: float = LIMIT_MM
@@ -52,7 +54,7 @@ def measure_joint(folder: Path, config: CellConfig, calibration: Calibration, re
     picture = folder / "pictures" / "weld_seam.png"
     picture_cloud(picture, cloud.points, cloud.sigmas, path=seam.points)
     assert cell.weld_seam is not None
-    return MeasuredJoint(seam, distances_from_line(seam.points, cell.weld_seam), picture)
+    return MeasuredJoint(seam, cell.weld_seam, distances_from_line(seam.points, cell.weld_seam), picture)
 
 
 def distances_from_line(points: FloatArray, ends: FloatArray) -> FloatArray:
