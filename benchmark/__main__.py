@@ -22,7 +22,7 @@ REPOSITORY = Path(__file__).parents[1]
 REPORTS = REPOSITORY / "out/benchmark"
 NAMES = (
     *("demo", "refine", "lens_models", "measured_points", "opencv_boards", "protocols", "degenerate", "robust"),
-    *("closed_form", "foe", "speed", "refine_speed", "tracking", "detectors", "real_data"),
+    *("closed_form", "foe", "speed", "refine_speed", "tracking", "detectors", "real_data", "stripe_centre"),
 )
 PARALLEL = {"demo", "refine", "lens_models", "measured_points", "opencv_boards", "protocols", "degenerate", "robust"}
 """Those that run their trials on the workers of cluster.py."""
@@ -79,6 +79,9 @@ HEADLINES = (
     ),
     Headline("refine_speed", "*fastest of Ceres", "refinement, 24 views x 200 points: time / the best solver of Ceres"),
     Headline("refine_speed", "scipy*", "- times as fast as `scipy.optimize.least_squares`"),
+    Headline("stripe_centre", "*RMSE / bound*", "`detectStripe`: RMSE of a column's centre / Cramér-Rao bound"),
+    Headline("stripe_centre", "saturated*", "- with saturated columns and speckle: RMS [px]"),
+    Headline("stripe_centre", "*GaussianBlur*", "- time / `cv2.GaussianBlur` 5 x 5"),
     Headline("tracking", "*sigma*", "tracks of the default scene: robust sigma [px]"),
 )
 
