@@ -17,9 +17,31 @@ static double squared(double value)
     return value * value;
 }
 
-//! Squared third differences over their variance. Columns that lack a partner have none.
+//! Numbers the smooth pieces of the stripe: a new one begins where a step between neighbours is far beyond the typical one.
+void StripeScatter::findPieces(const std::vector<StripePoint>& points)
+{
+    const double farBeyond = 8;
+    pieces_.assign(points.size(), 0);
+    if (points.size() < 2)
+        return;
+    const auto slopeAt = [&](size_t i)
+    { return (points[i].centre - points[i - 1].centre) / (points[i].column - points[i - 1].column); };
+    const size_t stride = 1 + points.size() / 256;
+    sample_.clear();
+    for (size_t i = 1; i < points.size(); i += stride)
+        sample_.push_back(slopeAt(i));
+    const double slope = medianOf(sample_);
+    for (double& value : sample_)
+        value = std::abs(value - slope);
+    const double limit = farBeyond * medianOf(sample_);
+    for (size_t i = 1; i < points.size(); ++i)
+        pieces_[i] = pieces_[i - 1] + (std::abs(slopeAt(i) - slope) > limit ? 1 : 0);
+}
+
+//! Squared third differences over their variance. Columns that lack a partner on their piece have none.
 void StripeScatter::collect(const std::vector<StripePoint>& points)
 {
+    findPieces(points);
     columns_.clear();
     squares_.clear();
     size_t at[4] = {0, 0, 0, 0};
@@ -33,7 +55,7 @@ void StripeScatter::collect(const std::vector<StripePoint>& points)
                 ++at[k];
             isComplete = isComplete && at[k] < points.size() && points[at[k]].column == column;
         }
-        if (!isComplete)
+        if (!isComplete || pieces_[at[0]] != pieces_[at[3]])
             continue;
         const StripePoint &a = points[at[0]], &b = points[at[1]], &c = points[at[2]], &d = points[at[3]];
         const double variance = squared(a.sigma) + 9 * squared(b.sigma) + 9 * squared(c.sigma) + squared(d.sigma);

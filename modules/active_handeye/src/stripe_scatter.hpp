@@ -13,7 +13,7 @@ namespace cv { namespace active_handeye {
 
 A profile tells its noise, but not how far texture and grain of the light move its peak. Third differences of the centres eight columns
 apart do: bends of the stripe cancel, and texture and grain of two columns so far apart are independent. Their squares in units of what
-the standard deviations say, steps and corners cut off, are averaged over 200 columns to each side around each point.
+the standard deviations say, without those across steps and with corners cut off, are averaged over 200 columns to each side around each point.
 */
 class StripeScatter
 {
@@ -22,10 +22,12 @@ public:
     void apply(std::vector<StripePoint>& points);
 
 private:
+    void findPieces(const std::vector<StripePoint>& points);
     void collect(const std::vector<StripePoint>& points);
     double typicalSquare();
 
     std::vector<int> columns_; //!< in the middle of each difference
+    std::vector<int> pieces_;  //!< per point
     std::vector<double> squares_, sample_;
 };
 
