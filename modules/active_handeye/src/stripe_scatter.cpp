@@ -24,18 +24,21 @@ void StripeScatter::findPieces(const std::vector<StripePoint>& points)
     pieces_.assign(points.size(), 0);
     if (points.size() < 2)
         return;
-    const auto slopeAt = [&](size_t i)
-    { return (points[i].centre - points[i - 1].centre) / (points[i].column - points[i - 1].column); };
+    const auto columnsAt = [&](size_t i) { return points[i].column - points[i - 1].column; };
+    const auto stepAt = [&](size_t i) { return points[i].centre - points[i - 1].centre; };
     const size_t stride = 1 + points.size() / 256;
     sample_.clear();
     for (size_t i = 1; i < points.size(); i += stride)
-        sample_.push_back(slopeAt(i));
+        sample_.push_back(stepAt(i) / columnsAt(i));
     const double slope = medianOf(sample_);
     for (double& value : sample_)
         value = std::abs(value - slope);
     const double limit = farBeyond * medianOf(sample_);
     for (size_t i = 1; i < points.size(); ++i)
-        pieces_[i] = pieces_[i - 1] + (std::abs(slopeAt(i) - slope) > limit ? 1 : 0);
+    {
+        const int columns = columnsAt(i);
+        pieces_[i] = pieces_[i - 1] + int(std::abs(stepAt(i) - slope * columns) > limit * columns);
+    }
 }
 
 //! Squared third differences over their variance. Columns that lack a partner on their piece have none.
@@ -76,7 +79,7 @@ double StripeScatter::typicalSquare()
     const auto lower = sample_.begin() + int(sample_.size() / 4);
     std::nth_element(sample_.begin(), lower, sample_.end());
     double typical = *lower / quartile;
-    for (int round = 0; round < 5; ++round)
+    for (int round = 0; round < 3; ++round)
     {
         double sum = prior, count = prior;
         for (double square : squares_)

@@ -181,7 +181,7 @@ void StripeSearch::sharpen(const Pixels& pixels, const StripeFrame& frame, const
 template <class Pixels>
 void StripeSearch::measureNoise(const Pixels& pixels, const StripeFrame& frame, const BoxKernel& kernel)
 {
-    const int count = 800, rows = frame.rows() - 2 * kernel.outer;
+    const int count = 600, rows = frame.rows() - 2 * kernel.outer;
     double spread = 0;
     samples_.clear();
     double u = 0.5, v = 0.5;
