@@ -6,6 +6,7 @@
 #   make lint      formatting, ruff, mypy, generated stubs
 #   make bench     the benchmarks behind the tables of the README
 #   make sanitize  C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
+#   make fuzz      detectStripe with random input under the sanitizers, FUZZ_SECONDS (60) long
 #   make setup     only what these have in common: system packages, virtual environment, build
 # Everything goes into .venv, build and out. A second run builds only what changed and fetches nothing.
 
@@ -14,6 +15,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 BUILD := build/python
 JOBS ?= $(shell nproc)
+FUZZ_SECONDS ?= 60
 
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
@@ -24,7 +26,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL ?= $(JOBS)
 CMAKE_FILES := CMakeLists.txt $(shell find cmake modules python/bindings -name CMakeLists.txt -o -name '*.cmake' -o -name '*.map')
 CPP_FILES := $(shell find modules/active_handeye/include modules/active_handeye/src python/bindings -name '*.[ch]pp')
 
-.PHONY: setup demo test test-cpp test-python lint format stubs bench sanitize clean distclean system-packages
+.PHONY: setup demo test test-cpp test-python lint format stubs bench sanitize fuzz clean distclean system-packages
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.installed
@@ -87,6 +89,11 @@ sanitize: setup
 	  GTEST_TOTAL_SHARDS=$(JOBS) GTEST_SHARD_INDEX=$$part build/asan-ubsan/bin/active_handeye_test --gtest_brief=1 & parts="$$parts $$!"; \
 	done; for part in $$parts; do wait $$part || failed=1; done; test -z "$$failed"
 	build/asan-ubsan/bin/active_handeye_test_internal --gtest_brief=1
+
+fuzz: setup
+	@cmake --preset asan-ubsan -DACTIVE_HANDEYE_BUILD_FUZZERS=ON >/dev/null
+	@cmake --build build/asan-ubsan --target active_handeye_fuzz_detect_stripe
+	cd build/asan-ubsan && bin/active_handeye_fuzz_detect_stripe -max_total_time=$(FUZZ_SECONDS)
 
 clean:
 	rm -rf build out .mypy_cache .ruff_cache .pytest_cache $(VENV)/.installed

@@ -88,8 +88,9 @@ HEADLINES = (
     ),
     Headline("refine_speed", "*fastest of Ceres", "refinement, 24 views x 200 points: time / the best solver of Ceres"),
     Headline("refine_speed", "scipy*", "- times as fast as `scipy.optimize.least_squares`"),
-    Headline("stripe_centre", "*RMSE / bound*", "`detectStripe`: RMSE of the centre / Cramér-Rao bound"),
-    Headline("stripe_centre", "*GaussianBlur*", "- time / that of `cv2.GaussianBlur` 5 x 5"),
+    Headline("stripe_centre", "*RMSE / bound*", "`detectStripe`: RMSE of a column's centre / Cramér-Rao bound"),
+    Headline("stripe_centre", "saturated*", "- with saturated columns and speckle: RMS [px]"),
+    Headline("stripe_centre", "*GaussianBlur*", "- time / `cv2.GaussianBlur` 5 x 5"),
     Headline("reproject_speed", "reprojectStripe: *", "`reprojectStripe`: million points a second"),
     Headline("tracking", "*sigma*", "tracks of the default scene: robust sigma [px]"),
 )

@@ -13,11 +13,11 @@ from cv_active_handeye.dataset import Dataset
 from cv_active_handeye.workflow import BoardSpec
 from cv_active_handeye.workflow.boards import find_board
 from cv_active_handeye.workflow.compare import BoardCamera, board_poses
+from cv_active_handeye.workflow.evidence import stripe_params
 
 from .report import Cell, Table
 
 Array = NDArray[np.float64]
-SIGMA_PX = 4.0
 MAX_DISTANCE = 0.05
 """Stripe points farther than this (m) from the board's centre may lie on something else."""
 
@@ -36,8 +36,7 @@ def laser_table(name: str, dataset: Dataset, camera: BoardCamera) -> Table:
     """RMS distance of all stripe points to one plane, robustly fitted."""
     points, objects = find_board(dataset, BoardSpec.parse("points"), lambda done, total: None)
     poses = board_poses(points, objects, camera.views, camera.camera_matrix, camera.distortion)
-    params = cah.StripeParams()
-    params.orientation, params.sigma = int(cah.STRIPE_VERTICAL), SIGMA_PX
+    params = stripe_params(dataset)
     found: list[Array] = []
     rows = 0
     for view, pose in zip(camera.views, poses, strict=True):

@@ -4,6 +4,8 @@
 #include "bind.hpp"
 #include "convert.hpp"
 
+#include <tuple>
+
 namespace active_handeye_python {
 
 using namespace cv::active_handeye;
@@ -24,7 +26,8 @@ Returns:
     sigmas: (N, 1) standard deviations across the stripe, pixels.
 
 Raises:
-    error: an empty image, an unsupported type, a background of another shape or type, parameters out of range.
+    error: an empty image, an unsupported type, a background of another shape or type, parameters out of range, a roi
+        that is not inside the image.
 )doc";
 
 const char* const splitDoc = R"doc(Straight segments of a stripe, one per plane it crosses.
@@ -86,6 +89,8 @@ Attributes:
     maxSecondPeak: a column is left out when its second peak is higher than this fraction of the first; default 0.6.
     saturation: grey level from which a pixel is saturated; 0 (default) = the largest value of the image's type.
     minRun: shorter runs of neighbouring points are left out; default 5.
+    roi: (x, y, width, height), the part of the image to search; (0, 0, 0, 0) (the default) = the whole image. Points
+        are pixels of the whole image all the same.
 )doc";
 
 using DetectResult = py::typing::Tuple<py::array_t<double>, py::array_t<double>>;
@@ -126,6 +131,18 @@ AssociateResult associate(const ArrayLike& R_gripper2base, const ArrayLike& t_gr
     return py::make_tuple(array<int>(ids), array<double>(plane));
 }
 
+using Roi = std::tuple<int, int, int, int>;
+
+Roi roiOf(const StripeParams& params)
+{
+    return Roi(params.roi.x, params.roi.y, params.roi.width, params.roi.height);
+}
+
+void setRoi(StripeParams& params, const Roi& roi)
+{
+    params.roi = cv::Rect(std::get<0>(roi), std::get<1>(roi), std::get<2>(roi), std::get<3>(roi));
+}
+
 void bindParams(py::module_& m)
 {
     m.attr("STRIPE_HORIZONTAL") = int(STRIPE_HORIZONTAL);
@@ -138,7 +155,8 @@ void bindParams(py::module_& m)
         .def_readwrite("minContrast", &StripeParams::minContrast)
         .def_readwrite("maxSecondPeak", &StripeParams::maxSecondPeak)
         .def_readwrite("saturation", &StripeParams::saturation)
-        .def_readwrite("minRun", &StripeParams::minRun);
+        .def_readwrite("minRun", &StripeParams::minRun)
+        .def_property("roi", roiOf, setRoi);
 }
 
 } // namespace

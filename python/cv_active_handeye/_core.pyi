@@ -86,6 +86,8 @@ class StripeParams:
         maxSecondPeak: a column is left out when its second peak is higher than this fraction of the first; default 0.6.
         saturation: grey level from which a pixel is saturated; 0 (default) = the largest value of the image's type.
         minRun: shorter runs of neighbouring points are left out; default 5.
+        roi: (x, y, width, height), the part of the image to search; (0, 0, 0, 0) (the default) = the whole image. Points
+            are pixels of the whole image all the same.
     """
     def __init__(self) -> None: ...
     @property
@@ -108,6 +110,18 @@ class StripeParams:
     def orientation(self) -> int: ...
     @orientation.setter
     def orientation(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def roi(self) -> tuple[int, int, int, int]: ...
+    @roi.setter
+    def roi(
+        self,
+        arg1: tuple[
+            typing.SupportsInt | typing.SupportsIndex,
+            typing.SupportsInt | typing.SupportsIndex,
+            typing.SupportsInt | typing.SupportsIndex,
+            typing.SupportsInt | typing.SupportsIndex,
+        ],
+    ) -> None: ...
     @property
     def saturation(self) -> float: ...
     @saturation.setter
@@ -553,7 +567,8 @@ def detectStripe(
         sigmas: (N, 1) standard deviations across the stripe, pixels.
 
     Raises:
-        error: an empty image, an unsupported type, a background of another shape or type, parameters out of range.
+        error: an empty image, an unsupported type, a background of another shape or type, parameters out of range, a roi
+            that is not inside the image.
     """
 
 def estimateFOE(

@@ -30,9 +30,13 @@ class CameraInfo(Strict):
 
 
 class LaserInfo(Strict):
-    """`stripe`: "horizontal" = along the image rows (one point a column), "vertical" = along the columns."""
+    """`stripe`: "horizontal" = along the image rows (one point a column), "vertical" = along the columns.
+
+    sigma_px: Gaussian half width of the stripe in the image, px; a stripe of half to twice this width is found.
+    """
 
     stripe: Literal["horizontal", "vertical"] = "horizontal"
+    sigma_px: float = Field(default=1.5, ge=0.5, le=20)
     name: str = ""
 
 

@@ -12,4 +12,5 @@ from cv_active_handeye.dataset import CameraInfo, LaserInfo
 if __name__ == "__main__":
     given = arguments(__doc__)
     camera = CameraInfo(width=1280, height=1024, pixel_format="mono8", name="laser triangulation head on an ABB robot")
-    import_folder(given.source, given.dataset, camera, "openlmd/etna, etna_calib", LaserInfo(stripe="vertical"))
+    laser = LaserInfo(stripe="vertical", sigma_px=4.0)
+    import_folder(given.source, given.dataset, camera, "openlmd/etna, etna_calib", laser)

@@ -20,6 +20,7 @@ from support.recordings import REPOSITORY, real_data
 import cv_active_handeye as cah
 from cv_active_handeye.dataset import Dataset
 from cv_active_handeye.workflow import BoardSpec, Comparison, calibrate, compare
+from cv_active_handeye.workflow.evidence import stripe_params
 
 needs_calibrate_hand_eye = pytest.mark.skipif(
     not hasattr(cv2, "calibrateHandEye"), reason=f"OpenCV {cv2.__version__} for Python has no calibrateHandEye"
@@ -98,8 +99,7 @@ def test_recordings_without_translations_are_refused_with_the_nearest_views(
 
 def test_stripe_of_the_etna_laser_is_found_in_most_rows(tmp_path: Path) -> None:
     dataset = imported("etna", "etna_abb_laser/main", tmp_path)
-    params = cah.StripeParams()
-    params.orientation, params.sigma = int(cah.STRIPE_VERTICAL), 4.0
+    params = stripe_params(dataset)
     shares = []
     for i in range(len(dataset)):
         image = dataset.laser_image(i)

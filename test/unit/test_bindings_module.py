@@ -107,3 +107,6 @@ def test_stripe_params_have_documented_defaults_and_can_be_set() -> None:
     assert params.saturation == 0
     params.sigma = 3.0
     assert params.sigma == 3.0
+    assert params.roi == (0, 0, 0, 0)
+    params.roi = 10, 20, 300, 200
+    assert params.roi == (10, 20, 300, 200)

@@ -12,11 +12,14 @@ import numpy as np
 import pytest
 import yaml
 from numpy.typing import NDArray
+from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
+import cv_active_handeye as cah
 from cv_active_handeye.dataset import CameraInfo, Dataset, LaserInfo
 from cv_active_handeye.dataset_format import PixelFormat
 from cv_active_handeye.files import FileFormatError
+from cv_active_handeye.workflow.evidence import stripe_params
 
 Image = NDArray[np.uint8] | NDArray[np.uint16]
 CAMERA = CameraInfo(width=32, height=24, name="test camera")
@@ -250,3 +253,16 @@ def test_sha256_changes_with_a_pixel_a_pose_and_a_point(tmp_path: Path) -> None:
     moved.set_image_points(np.zeros((3, 4, 2)))
     hashes.add(moved.sha256())
     assert len(hashes) == 4
+
+
+@pytest.mark.parametrize("sigma_px", [0.4, 21.0, float("nan")])
+def test_laser_width_out_of_range_is_refused(sigma_px: float) -> None:
+    with pytest.raises(ValidationError, match="sigma_px"):
+        LaserInfo(sigma_px=sigma_px)
+
+
+def test_laser_width_and_direction_reach_the_detector(tmp_path: Path) -> None:
+    laser = LaserInfo(stripe="vertical", sigma_px=4.0)
+    Dataset.create(tmp_path / "set", camera=CAMERA, laser=laser).add_view(rotation(0), [0, 0, 0.1], image=picture(0))
+    params = stripe_params(Dataset.open(tmp_path / "set"))
+    assert (params.orientation, params.sigma) == (cah.STRIPE_VERTICAL, 4.0)

@@ -5,6 +5,7 @@
 #include "precomp.hpp"
 #include "input.hpp"
 #include "stripe_fitter.hpp"
+#include "stripe_scatter.hpp"
 #include "stripe_search.hpp"
 
 namespace cv { namespace active_handeye {
@@ -43,19 +44,21 @@ class StripeDetector
 public:
     const std::vector<StripePoint>& run(const Mat& image, const Mat& background, const StripeParams& params)
     {
-        frame_.set(image, background, params.orientation == STRIPE_VERTICAL, params.saturation);
+        frame_.set(image, background, params.roi, params.orientation == STRIPE_VERTICAL, params.saturation);
         search_.run(frame_, params.sigma, params.maxSecondPeak);
         fitter_.begin(frame_, search_.pixelNoise, params.sigma);
         points_.clear();
         findClearColumns(params);
         const double width =
             fitter_.measureWidth(starts_); // wider than sigma where the stripe is oblique or out of focus
+        fitter_.measureGrain(starts_, width);
         fitter_.fit(starts_, width, points_);
         resolveDoublePeaks(params, width);
         const double least = params.minContrast * frame_.saturation();
         keepIf([least](const StripePoint& point) { return point.height >= least; });
         removeMisfits();
         removeShortRuns(params.minRun);
+        scatter_.apply(points_);
         frame_.release();
         return points_;
     }
@@ -100,9 +103,12 @@ private:
             if (isNear[0] != isNear[1])
                 starts_.push_back(StripeStart{x, isNear[0] ? rows[0] : rows[1]});
         }
-        fitter_.fit(starts_, width, points_);
-        std::inplace_merge(points_.begin(), points_.begin() + clear, points_.end(),
-                           [](const StripePoint& a, const StripePoint& b) { return a.column < b.column; });
+        resolved_.clear();
+        fitter_.fit(starts_, width, resolved_);
+        merged_.resize(points_.size() + resolved_.size());
+        std::merge(points_.begin(), points_.end(), resolved_.begin(), resolved_.end(), merged_.begin(),
+                   [](const StripePoint& a, const StripePoint& b) { return a.column < b.column; });
+        points_.swap(merged_);
     }
 
     template <class Predicate>
@@ -120,10 +126,10 @@ private:
             return;
         ratios_.clear();
         for (const StripePoint& point : points_)
-            ratios_.push_back(point.misfit / point.height);
-        std::nth_element(ratios_.begin(), ratios_.begin() + ratios_.size() / 2, ratios_.end());
-        const double limit = 3 * ratios_[ratios_.size() / 2], noise = 2.5 * search_.pixelNoise;
-        keepIf([=](const StripePoint& point) { return point.misfit <= std::max(noise, limit * point.height); });
+            ratios_.push_back(point.misfit / (point.height * point.height));
+        const double limit = 9 * medianOf(ratios_), noise = 6.25 * search_.pixelNoise * search_.pixelNoise;
+        keepIf([=](const StripePoint& point)
+               { return point.misfit <= std::max(noise, limit * point.height * point.height); });
     }
 
     static bool areNeighbours(const StripePoint& a, const StripePoint& b)
@@ -151,13 +157,28 @@ private:
     StripeFrame frame_;
     StripeSearch search_;
     StripeFitter fitter_;
+    StripeScatter scatter_;
     std::vector<StripeStart> starts_;
     std::vector<int> doublePeaks_;
-    std::vector<StripePoint> points_;
+    std::vector<StripePoint> points_, resolved_, merged_;
     std::vector<double> ratios_;
 };
 
 } // namespace
+
+//! n rows; a Mat that had as many before keeps its memory.
+static double* rowsOf(OutputArray out, int n, int cols)
+{
+    const int vectorType = CV_MAKETYPE(CV_64F, cols);
+    if (out.kind() == _InputArray::STD_VECTOR && out.type() == vectorType)
+        out.create(n, 1, vectorType);
+    else if (out.kind() == _InputArray::MAT && out.dims() == 2 && out.cols() == cols && out.type() == CV_64F &&
+             !out.isSubmatrix())
+        out.getMatRef().resize(size_t(n));
+    else
+        out.create(n, cols, CV_64F);
+    return n > 0 ? out.getMat().ptr<double>() : nullptr;
+}
 
 void detectStripe(InputArray image, OutputArray stripePoints, OutputArray sigmas, InputArray background,
                   const StripeParams& params)
@@ -167,13 +188,12 @@ void detectStripe(InputArray image, OutputArray stripePoints, OutputArray sigmas
     static thread_local StripeDetector detector;
     const std::vector<StripePoint>& points = detector.run(image.getMat(), background.getMat(), params);
     const int n = int(points.size()), along = params.orientation == STRIPE_VERTICAL ? 1 : 0;
-    stripePoints.create(n, 2, CV_64F);
-    sigmas.create(n, 1, CV_64F);
-    double *positions = stripePoints.getMat().ptr<double>(), *deviations = sigmas.getMat().ptr<double>();
+    const int first[] = {params.roi.x, params.roi.y};
+    double *positions = rowsOf(stripePoints, n, 2), *deviations = rowsOf(sigmas, n, 1);
     for (int i = 0; i < n; ++i)
     {
-        positions[2 * i + along] = points[i].column;
-        positions[2 * i + 1 - along] = points[i].centre;
+        positions[2 * i + along] = first[along] + points[i].column;
+        positions[2 * i + 1 - along] = first[1 - along] + points[i].centre;
         deviations[i] = points[i].sigma;
     }
 }

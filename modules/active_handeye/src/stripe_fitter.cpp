@@ -7,13 +7,18 @@
 
 namespace cv { namespace active_handeye {
 
-static const double marginInSigmas = 3.5;
+//! Rows of a window to each side of the peak.
+static int marginOf(double sigma)
+{
+    return int(std::ceil(3.5 * sigma));
+}
 
 void StripeFitter::begin(const StripeFrame& frame, double pixelNoise, double expectedSigma)
 {
     frame_ = &frame;
     pixelNoise_ = pixelNoise;
     expectedSigma_ = expectedSigma;
+    grain_ = 0;
     if (!fit_)
         fit_.reset(new StripeFit());
 }
@@ -114,11 +119,16 @@ void StripeFitter::loadWeighted(const StripeStart* starts, int count, int margin
 
 void StripeFitter::load(const StripeStart* starts, int count, int margin)
 {
-    isWeighted_ = !(frame_->isPlain() && loadPlain(starts, count, margin));
-    if (isWeighted_)
+    isPlain_ = frame_->isPlain() && loadPlain(starts, count, margin);
+    if (!isPlain_)
         loadWeighted(starts, count, margin);
     std::fill(isLoaded_ + count, isLoaded_ + FIT_LANES, 0.f);
     std::fill(fit_->failed, fit_->failed + FIT_LANES, 1.f); // nothing to begin with
+}
+
+PixelModel StripeFitter::model() const
+{
+    return !isPlain_ ? PIXELS_ANY : grain_ > 0 ? PIXELS_GRAINY : PIXELS_EQUAL;
 }
 
 void StripeFitter::solve(double sigma)
@@ -130,6 +140,7 @@ void StripeFitter::solve(double sigma)
     fit.inverseVariance = float(1 / (sigma * sigma));
     fit.largestStep = float(sigma);
     fit.pixelNoise = float(pixelNoise_);
+    fit.grain = float(grain_);
     for (int lane = 0; lane < FIT_LANES; ++lane)
     {
         if (fit.failed[lane] != 0)
@@ -140,13 +151,13 @@ void StripeFitter::solve(double sigma)
     float move = 2;
     for (int i = 0; i < maxIterations && move > 1; ++i)
     {
-        (isWeighted_ ? kernels.fitWeighted : kernels.fitPlain)(fit);
+        kernels.fit[model()](fit);
         move = *std::max_element(fit.move, fit.move + FIT_LANES);
     }
     for (int lane = 0; lane < FIT_LANES; ++lane)
         if (fit.move[lane] > 1)
             fit.failed[lane] = 1;
-    (isWeighted_ ? kernels.assessWeighted : kernels.assessPlain)(fit);
+    kernels.assess[model()](fit);
 }
 
 //! The width at the bottom of the parabola through the smallest of the squares and its neighbours; negative where no width fits.
@@ -183,28 +194,43 @@ double StripeFitter::medianWidth(int lanes, double smallest, double ratio, int c
     const size_t fewest = 5;
     if (widths_.size() < fewest)
         return expectedSigma_;
-    std::nth_element(widths_.begin(), widths_.begin() + widths_.size() / 2, widths_.end());
-    return widths_[widths_.size() / 2];
+    return medianOf(widths_);
 }
 
-double StripeFitter::measureWidth(const std::vector<StripeStart>& starts)
+//! Starts spread evenly over all; their number.
+int StripeFitter::loadSample(const std::vector<StripeStart>& starts, double sigma)
 {
     StripeStart sample[FIT_LANES];
     const int count = int(std::min(starts.size(), size_t(FIT_LANES)));
     for (int i = 0; i < count; ++i)
         sample[i] = starts[starts.size() * size_t(i) / size_t(count)];
+    load(sample, count, marginOf(sigma));
+    return count;
+}
+
+double StripeFitter::measureWidth(const std::vector<StripeStart>& starts)
+{
+    const int count = loadSample(starts, expectedSigma_);
     if (count == 0)
         return expectedSigma_;
-    load(sample, count, int(std::ceil(marginInSigmas * expectedSigma_)));
     const double coarse = std::sqrt(2.), fine = 1.1;
     const double rough = medianWidth(count, 0.5 * expectedSigma_, coarse, 5); // half to twice
     const double width = medianWidth(count, rough / fine, fine, 3);
     return std::max(0.5 * expectedSigma_, std::min(2 * expectedSigma_, width));
 }
 
+void StripeFitter::measureGrain(const std::vector<StripeStart>& starts, double sigma)
+{
+    int count = int(std::min(starts.size(), size_t(FIT_LANES)));
+    if (marginOf(sigma) > fit_->taps / 2) // wider than was loaded to measure the width
+        count = loadSample(starts, sigma);
+    solve(sigma);
+    grain_ = residuals_.grain(*fit_, count, !isPlain_);
+}
+
 void StripeFitter::append(const StripeStart* starts, int count, double sigma, std::vector<StripePoint>& points) const
 {
-    const double priorFreedom = 4; // the residuals are few: held by the noise of the image
+    const double priorFreedom = 12; // the residuals are few: held by the noise of the image
     const StripeFit& fit = *fit_;
     for (int lane = 0; lane < count; ++lane)
     {
@@ -212,11 +238,11 @@ void StripeFitter::append(const StripeStart* starts, int count, double sigma, st
         if (fit.failed[lane] != 0 || freedom < 1)
             continue;
         const double variance = (squares + priorFreedom * pixelNoise_ * pixelNoise_) / (freedom + priorFreedom);
-        const double centreSigma = std::sqrt(variance / fit.information[lane]), misfit = std::sqrt(squares / freedom);
-        const bool isObserved = centreSigma > 0 && centreSigma < sigma; // also false for NaN
-        if (isObserved && misfit <= std::max(4 * pixelNoise_, 0.2 * height))
-            points.push_back(StripePoint{starts[lane].column, double(middle_[lane]) + fit.centre[lane], centreSigma,
-                                         height, misfit});
+        const double square = variance / fit.information[lane], misfit = squares / freedom;
+        const bool isObserved = square > 0 && square < sigma * sigma; // also false for NaN
+        if (isObserved && misfit <= std::max(16 * pixelNoise_ * pixelNoise_, 0.04 * height * height))
+            points.push_back(StripePoint{starts[lane].column, double(middle_[lane]) + fit.centre[lane],
+                                         std::sqrt(square), height, misfit});
     }
 }
 
@@ -225,7 +251,7 @@ void StripeFitter::fit(const std::vector<StripeStart>& starts, double sigma, std
     for (size_t first = 0; first < starts.size(); first += FIT_LANES)
     {
         const int count = int(std::min(starts.size() - first, size_t(FIT_LANES)));
-        load(&starts[first], count, int(std::ceil(marginInSigmas * sigma)));
+        load(&starts[first], count, marginOf(sigma));
         solve(sigma);
         append(&starts[first], count, sigma, points);
     }

@@ -7,6 +7,7 @@
 
 #include "stripe_frame.hpp"
 #include "stripe_kernels.hpp"
+#include "stripe_residuals.hpp"
 
 #include <memory>
 
@@ -22,13 +23,14 @@ struct StripePoint
 {
     int column;
     double centre, sigma;  //!< row, and its standard deviation
-    double height, misfit; //!< grey levels; misfit: RMS of the residuals
+    double height, misfit; //!< grey levels, and mean square of the residuals
 };
 
 /** Least-squares fit of a Gaussian profile, many columns at a time.
 
 signal(y) = albedo(y) (height exp(-(y - centre)^2 / (2 sigma^2)) + offset) with one sigma for all; albedo from the background, 1 without.
-Pixels with a saturated channel do not count.
+Pixels with a saturated channel do not count. The others count by their noise: that of the image, and grain of the laser light
+(speckle, texture where there is no background) in proportion to the light.
 */
 class StripeFitter
 {
@@ -40,6 +42,9 @@ public:
     //! Median of the widths of the profiles around a sample of the starts; expectedSigma where too few say.
     double measureWidth(const std::vector<StripeStart>& starts);
 
+    //! Grain of the light from the residuals around the same sample; until then there is none.
+    void measureGrain(const std::vector<StripeStart>& starts, double sigma);
+
     //! Appends the columns in which one peak explains the signal.
     void fit(const std::vector<StripeStart>& starts, double sigma, std::vector<StripePoint>& points);
 
@@ -50,6 +55,8 @@ private:
     };
 
     void load(const StripeStart* starts, int count, int margin);
+    int loadSample(const std::vector<StripeStart>& starts, double sigma);
+    PixelModel model() const;
     bool loadPlain(const StripeStart* starts, int count, int margin);
     void loadWeighted(const StripeStart* starts, int count, int margin);
     bool growOverPlateau(int x, Rows& rows) const;
@@ -61,10 +68,12 @@ private:
 
     const StripeFrame* frame_ = nullptr;
     double pixelNoise_ = 1, expectedSigma_ = 1;
-    bool isWeighted_ = false;
+    bool isPlain_ = false; //!< the loaded windows have neither weights nor background
+    double grain_ = 0;
     float isLoaded_[FIT_LANES]; //!< 0: the column has no window
     int middle_[FIT_LANES];     //!< row of the middle of the window
     std::vector<double> widths_, squares_;
+    StripeResiduals residuals_;
     std::unique_ptr<StripeFit> fit_;
 };
 

@@ -35,20 +35,37 @@ static void requireSameFormat(const Mat& image, const Mat& background)
                  "background: needed the type of image (" + describe(image) + "), given " + describe(background));
 }
 
-void StripeFrame::set(const Mat& image, const Mat& background, bool vertical, double saturation)
+static Rect requireInside(const Rect& roi, const Size& size)
+{
+    const Rect whole(0, 0, size.width, size.height);
+    if (roi == Rect())
+        return whole;
+    const bool isInside = roi.x >= 0 && roi.y >= 0 && roi.width > 0 && roi.height > 0 &&
+                          roi.width <= size.width - roi.x && roi.height <= size.height - roi.y;
+    if (!isInside)
+        CV_Error(Error::StsOutOfRange,
+                 cv::format("params.roi: needed a part of the image (%d x %d pixels), given x %d, y %d, %d x %d pixels",
+                            size.width, size.height, roi.x, roi.y, roi.width, roi.height));
+    return roi;
+}
+
+void StripeFrame::set(const Mat& image, const Mat& background, const Rect& roi, bool vertical, double saturation)
 {
     requireImage(image);
     if (!background.empty())
         requireSameFormat(image, background);
+    const Rect part = requireInside(roi, image.size());
     saturation_ = saturation > 0 ? saturation : image.depth() == CV_8U ? 255 : 65535;
-    if (vertical)
-    {
-        cv::transpose(image, turnedImage_);
-        if (!background.empty())
-            cv::transpose(background, turnedBackground_);
-    }
-    image_ = vertical ? turnedImage_ : image;
-    background_ = background.empty() ? Mat() : vertical ? turnedBackground_ : background;
+    image_ = image(part);
+    background_ = background.empty() ? Mat() : background(part);
+    if (!vertical)
+        return;
+    cv::transpose(image_, turnedImage_);
+    image_ = turnedImage_;
+    if (background_.empty())
+        return;
+    cv::transpose(background_, turnedBackground_);
+    background_ = turnedBackground_;
 }
 
 void StripeFrame::release()

@@ -14,8 +14,11 @@ namespace cv { namespace active_handeye {
 class StripeFrame
 {
 public:
-    //! Throws StsBadArg / StsBadSize when image or background cannot be used. saturation 0 = largest value of the type.
-    void set(const Mat& image, const Mat& background, bool vertical, double saturation);
+    /** Only the part `roi` of both, all when that is Rect(). saturation 0 = largest value of the type.
+
+    Throws StsBadArg / StsBadSize when image or background cannot be used, StsOutOfRange for a roi outside of the image.
+    */
+    void set(const Mat& image, const Mat& background, const Rect& roi, bool vertical, double saturation);
 
     //! Forgets the caller's images.
     void release();

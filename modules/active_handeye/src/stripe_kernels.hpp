@@ -14,6 +14,15 @@ enum
     FIT_MAX_TAPS = 512 //!< rows of the largest window
 };
 
+//! What the weights of a fit allow for.
+enum PixelModel
+{
+    PIXELS_EQUAL,  //!< every pixel counts alike
+    PIXELS_GRAINY, //!< grain of the light: noise in proportion to it
+    PIXELS_ANY,    //!< that, and pixels that do not count, albedo and noise of a background
+    PIXEL_MODELS
+};
+
 /** Columns whose stripe is fitted together; entry [i * FIT_LANES + lane] belongs to row i of the window of that lane.
 
 Model: signal = albedo (height exp(-(y - centre)^2 / (2 sigma^2)) + offset), y and centre from the middle row of the window.
@@ -24,11 +33,13 @@ struct StripeFit
     float inverseVariance;     //!< 1 / sigma^2
     float largestStep;         //!< of the centre in one iteration [px]
     float pixelNoise;          //!< grey levels
+    float grain;               //!< (contrast of the grain of the light / pixelNoise)^2; not used by PIXELS_EQUAL
     float gauss[FIT_MAX_TAPS]; //!< exp(-y^2 / (2 sigma^2))
     float signal[FIT_MAX_TAPS * FIT_LANES];
-    float weight[FIT_MAX_TAPS * FIT_LANES]; //!< 0 where a pixel does not count; not used by fitPlain
-    float albedo[FIT_MAX_TAPS * FIT_LANES]; //!< not used by fitPlain
-    float background[FIT_LANES];            //!< mean level with the laser off, 0 = not known; not used by fitPlain
+    float weight[FIT_MAX_TAPS *
+                 FIT_LANES]; //!< 0 where a pixel does not count; only used by PIXELS_ANY, as are the next two
+    float albedo[FIT_MAX_TAPS * FIT_LANES];
+    float background[FIT_LANES]; //!< mean level with the laser off, 0 = not known
 
     // The solution
     float centre[FIT_LANES], height[FIT_LANES], offset[FIT_LANES];
@@ -67,12 +78,10 @@ struct StripeKernels
     StripeRowKernels<float> floats;
 
     //! One iteration of all columns: height and offset for the present centre, and a step of the centre.
-    void (*fitPlain)(StripeFit& fit);
-    void (*fitWeighted)(StripeFit& fit);
+    void (*fit[PIXEL_MODELS])(StripeFit& fit);
 
     //! squares, at the solution.
-    void (*assessPlain)(StripeFit& fit);
-    void (*assessWeighted)(StripeFit& fit);
+    void (*assess[PIXEL_MODELS])(StripeFit& fit);
 };
 
 //! The fastest that this processor can run.

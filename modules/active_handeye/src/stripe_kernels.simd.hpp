@@ -122,11 +122,21 @@ STRIPE_INLINE float clamped(float value, float limit)
     return upper > -limit ? upper : -limit;
 }
 
-//! The background is noisy too, and multiplied by the laser light: image - background (1 + light / background).
-STRIPE_INLINE float lightWeight(float light, float background)
+//! Variance of a pixel under the light, in units of that without: the background is noisy too, and multiplied by the light.
+STRIPE_INLINE float darkVariance(float light, float background)
 {
     const float gain = 1 + (light > 0 ? light : 0) / (background > 0 ? background : 1);
-    return background > 0 ? 2 / (1 + gain * gain) : 1;
+    return background > 0 ? 0.5f * (1 + gain * gain) : 1;
+}
+
+//! 1 / variance of a pixel, in units of that without light.
+template <PixelModel MODEL>
+STRIPE_INLINE float pixelWeight(float valid, float albedo, float light, float background, float grain)
+{
+    if (MODEL == PIXELS_EQUAL)
+        return 1;
+    const float a = MODEL == PIXELS_ANY ? albedo * light : light;
+    return MODEL == PIXELS_ANY ? valid / (darkVariance(light, background) + grain * a * a) : 1 / (1 + grain * a * a);
 }
 
 //! Sums over the rows of a window, of every column.
@@ -156,7 +166,7 @@ void startSums(const StripeFit& fit, FitSums& sums)
 }
 
 //! Adds some rows, so few that sums stay in registers meanwhile.
-template <bool isWeighted, int ROWS>
+template <PixelModel MODEL, int ROWS>
 void addRows(const StripeFit& fit, int first, FitSums& sums)
 {
     const float* STRIPE_RESTRICT signal = fit.signal + first * FIT_LANES;
@@ -164,18 +174,20 @@ void addRows(const StripeFit& fit, int first, FitSums& sums)
     const float* STRIPE_RESTRICT albedo = fit.albedo + first * FIT_LANES;
     const float* STRIPE_RESTRICT gauss = fit.gauss + first;
     const float start = float(first - fit.taps / 2);
+    const float grain = fit.grain;
+    const bool isAny = MODEL == PIXELS_ANY;
     FitSums& STRIPE_RESTRICT s = sums;
     for (int x = 0; x < FIT_LANES; ++x)
     {
-        const float c = fit.centre[x], u = s.u[x], light = s.light[x], dark = isWeighted ? fit.background[x] : 0;
+        const float c = fit.centre[x], u = s.u[x], light = s.light[x], dark = isAny ? fit.background[x] : 0;
         float power = s.power[x], n = s.n[x], gg = s.gg[x], g1 = s.g1[x], gy = s.gy[x], y1 = s.y1[x];
         float qq = s.qq[x], q1 = s.q1[x], gq = s.gq[x], qy = s.qy[x];
         for (int i = 0; i < ROWS; ++i)
         {
             const float g = gauss[i] * power, q = g * (start + float(i) - c), y = signal[i * FIT_LANES + x];
             power *= u;
-            const float a = isWeighted ? albedo[i * FIT_LANES + x] : 1;
-            const float w = isWeighted ? weight[i * FIT_LANES + x] * lightWeight(light * g, dark) : 1;
+            const float a = isAny ? albedo[i * FIT_LANES + x] : 1, valid = isAny ? weight[i * FIT_LANES + x] : 1;
+            const float w = pixelWeight<MODEL>(valid, a, light * g, dark, grain);
             const float wa = w * a, waa = wa * a;
             n += waa;
             gg += waa * g * g;
@@ -204,7 +216,7 @@ void addRows(const StripeFit& fit, int first, FitSums& sums)
 void stepCentres(const FitSums& sums, StripeFit& fit)
 {
     const float inverseVariance = fit.inverseVariance, largestStep = fit.largestStep, middle = float(fit.taps / 2);
-    const float noiseScale = 1e4f / (fit.pixelNoise * fit.pixelNoise); // a hundredth of a standard deviation
+    const float noiseScale = 4e2f / (fit.pixelNoise * fit.pixelNoise); // a twentieth of a standard deviation
     StripeFit& STRIPE_RESTRICT f = fit;
     for (int x = 0; x < FIT_LANES; ++x)
     {
@@ -228,7 +240,7 @@ void stepCentres(const FitSums& sums, StripeFit& fit)
     }
 }
 
-template <bool isWeighted>
+template <PixelModel MODEL>
 void fitColumns(StripeFit& fit)
 {
     FitSums sums;
@@ -236,26 +248,27 @@ void fitColumns(StripeFit& fit)
     const int portion = 4;
     int row = 0;
     for (; row + portion <= fit.taps; row += portion)
-        addRows<isWeighted, portion>(fit, row, sums);
+        addRows<MODEL, portion>(fit, row, sums);
     for (; row < fit.taps; ++row)
-        addRows<isWeighted, 1>(fit, row, sums);
+        addRows<MODEL, 1>(fit, row, sums);
     stepCentres(sums, fit);
 }
 
-template <bool isWeighted>
+template <PixelModel MODEL>
 void assessColumns(StripeFit& fit)
 {
     FitSums sums;
     startSums(fit, sums);
+    const bool isAny = MODEL == PIXELS_ANY;
     StripeFit& STRIPE_RESTRICT f = fit;
     for (int x = 0; x < FIT_LANES; ++x)
         f.squares[x] = f.pixels[x] = 0;
     for (int i = 0; i < f.taps; ++i)
         for (int x = 0; x < FIT_LANES; ++x)
         {
-            const float g = f.gauss[i] * sums.power[x], a = isWeighted ? f.albedo[i * FIT_LANES + x] : 1;
-            const float v = isWeighted ? f.weight[i * FIT_LANES + x] : 1, light = sums.light[x] * g;
-            const float w = isWeighted ? v * lightWeight(light, f.background[x]) : 1;
+            const float g = f.gauss[i] * sums.power[x], a = isAny ? f.albedo[i * FIT_LANES + x] : 1;
+            const float v = isAny ? f.weight[i * FIT_LANES + x] : 1, light = sums.light[x] * g;
+            const float w = pixelWeight<MODEL>(v, a, light, isAny ? f.background[x] : 0, f.grain);
             const float residual = f.signal[i * FIT_LANES + x] - a * (light + f.offset[x]);
             sums.power[x] *= sums.u[x];
             f.squares[x] += w * residual * residual;
@@ -272,8 +285,11 @@ StripeRowKernels<T> rowKernels()
 
 StripeKernels allKernels()
 {
-    const StripeKernels kernels = {rowKernels<uchar>(), rowKernels<float>(),  fitColumns<false>,
-                                   fitColumns<true>,    assessColumns<false>, assessColumns<true>};
+    const StripeKernels kernels = {
+        rowKernels<uchar>(),
+        rowKernels<float>(),
+        {fitColumns<PIXELS_EQUAL>, fitColumns<PIXELS_GRAINY>, fitColumns<PIXELS_ANY>},
+        {assessColumns<PIXELS_EQUAL>, assessColumns<PIXELS_GRAINY>, assessColumns<PIXELS_ANY>}};
     return kernels;
 }
 

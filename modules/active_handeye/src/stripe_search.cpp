@@ -45,8 +45,10 @@ public:
         : pixels_(pixels), x_(x), y_(y), inner_(kernel.inner), outer_(kernel.outer),
           ofInner_(1.f / float(2 * kernel.inner + 1)), ofOuter_(0.5f / float(kernel.outer - kernel.inner))
     {
-        for (int i = -outer_; i <= outer_; ++i)
-            (std::abs(i) <= inner_ ? near_ : far_) += pixels(x, y + i);
+        for (int i = -inner_; i <= inner_; ++i)
+            near_ += pixels(x, y + i);
+        for (int i = inner_ + 1; i <= outer_; ++i)
+            far_ += pixels(x, y - i) + pixels(x, y + i);
     }
 
     float score() const { return float(near_) * ofInner_ - float(far_) * ofOuter_; }
@@ -151,9 +153,14 @@ StripePeak StripeSearch::sharpened(const Pixels& pixels, const StripeFrame& fram
     if (!(window.height > 0) || first > last)
         return peak;
     BoxScores<Pixels> scores(pixels, kernel, x, first);
-    for (int y = first; y <= last; ++y, scores.next())
-        if (scores.score() > peak.height)
-            peak = StripePeak{y, scores.score()};
+    for (int y = first; y <= last; ++y)
+    {
+        if (y > first)
+            scores.next(); // not beyond the last: it would read outside of the image
+        const float score = scores.score();
+        if (score > peak.height)
+            peak = StripePeak{y, score};
+    }
     peak.height *= float(1 / kernel.gain);
     return peak;
 }
@@ -174,7 +181,7 @@ void StripeSearch::sharpen(const Pixels& pixels, const StripeFrame& frame, const
 template <class Pixels>
 void StripeSearch::measureNoise(const Pixels& pixels, const StripeFrame& frame, const BoxKernel& kernel)
 {
-    const int count = 1500, rows = frame.rows() - 2 * kernel.outer;
+    const int count = 600, rows = frame.rows() - 2 * kernel.outer;
     double spread = 0;
     samples_.clear();
     double u = 0.5, v = 0.5;

@@ -1,64 +1,9 @@
 // This file is part of OpenCV project.
 // It is subject to the license terms in the LICENSE file found in the top-level directory
 // of this distribution and at http://opencv.org/license.html.
-#include "point_scene.hpp"
-#include <functional>
+#include "stripe_image.hpp"
 
 namespace opencv_test { namespace {
-
-//! A Gaussian stripe with known centres: one per column, y = centre(x).
-struct StripeImage
-{
-    int rows, cols, type;
-    double sigma, height, noise, offset;
-    std::function<double(int)> centre;
-    std::function<double(int, int)> albedo; // (x, y), 1 = white
-
-    StripeImage()
-        : rows(240), cols(640), type(CV_8U), sigma(1.5), height(120), noise(0), offset(20),
-          centre([](int x) { return 60 + 0.02 * x + 3 * std::sin(0.01 * x); }), albedo([](int, int) { return 1.; })
-    {}
-
-    Mat render(bool laser, uint64 seed = 1) const
-    {
-        RNG rng(seed);
-        Mat grey(rows, cols, CV_64F);
-        for (int y = 0; y < rows; ++y)
-            for (int x = 0; x < cols; ++x)
-            {
-                const double d = (y - centre(x)) / sigma;
-                const double light = offset + (laser ? height * std::exp(-0.5 * d * d) : 0.);
-                grey.at<double>(y, x) = albedo(x, y) * light + rng.gaussian(noise);
-            }
-        Mat image;
-        grey.convertTo(image, type);
-        return image;
-    }
-
-    //! Smallest standard deviation an unbiased estimate of the centre can have.
-    double bound() const { return noise / height * std::sqrt(2 * sigma / std::sqrt(CV_PI)); }
-};
-
-struct Accuracy
-{
-    size_t count;
-    double bias, rmse, normalisedRmse;
-};
-
-Accuracy accuracy(const Mat& points, const Mat& sigmas, const std::function<double(int)>& centre)
-{
-    Accuracy a = {points.total() / 2, 0, 0, 0};
-    for (int i = 0; i < points.rows; ++i)
-    {
-        const double error = points.at<double>(i, 1) - centre(cvRound(points.at<double>(i, 0)));
-        a.bias += error / points.rows;
-        a.rmse += error * error / points.rows;
-        a.normalisedRmse += std::pow(error / sigmas.at<double>(i, 0), 2) / points.rows;
-    }
-    a.rmse = std::sqrt(a.rmse);
-    a.normalisedRmse = std::sqrt(a.normalisedRmse);
-    return a;
-}
 
 TEST(ActiveHandEye_detectStripe, NoiseFree16BitIsExact)
 {
@@ -71,33 +16,6 @@ TEST(ActiveHandEye_detectStripe, NoiseFree16BitIsExact)
     ASSERT_EQ(2, points.cols);
     ASSERT_EQ(640, sigmas.rows);
     EXPECT_LE(accuracy(points, sigmas, scene.centre).rmse, 3e-5); // rounding to whole grey levels
-}
-
-TEST(ActiveHandEye_detectStripe, ReachesCramerRaoBound)
-{
-    for (double sigma : {1.0, 1.5, 2.5, 4.0})
-        for (double snr : {6.0, 10.0, 20.0, 50.0})
-        {
-            SCOPED_TRACE(cv::format("sigma=%g snr=%g", sigma, snr));
-            StripeImage scene;
-            scene.type = CV_16U;
-            scene.cols = 2000;
-            scene.sigma = sigma;
-            scene.centre = [](int x) { return 50.3 + 0.01 * x; };
-            scene.offset = 3000;
-            scene.height = 10000;
-            scene.noise = scene.height / snr;
-            scene.offset = 10 * scene.noise;
-            StripeParams params;
-            params.sigma = sigma;
-            Mat points, sigmas;
-            detectStripe(scene.render(true), points, sigmas, noArray(), params);
-            const Accuracy a = accuracy(points, sigmas, scene.centre);
-            EXPECT_GE(a.count, snr < 8 ? 1700u : 1960u);
-            EXPECT_LE(a.rmse, 1.15 * scene.bound());
-            EXPECT_LE(std::abs(a.bias), std::max(0.01, 4 * scene.bound() / std::sqrt(double(a.count))));
-            EXPECT_NEAR(1, a.normalisedRmse, 0.15);
-        }
 }
 
 TEST(ActiveHandEye_detectStripe, FindsItsWidth)
@@ -250,44 +168,83 @@ TEST(ActiveHandEye_detectStripe, TwoStripesThatTouchAreLeftOut)
     EXPECT_LE(a.rmse, 1.2 * scene.bound());
 }
 
-TEST(ActiveHandEye_detectStripe, NoStripeGivesNoPoints)
+//! The result inside is that of the cropped image, moved.
+void expectRoiIsCropped(const Mat& image, const Mat& background, int orientation)
 {
-    StripeImage scene;
-    scene.noise = 10;
-    scene.offset = 100;
-    Mat points, sigmas;
-    detectStripe(scene.render(false, 7), points, sigmas);
-    EXPECT_EQ(0u, points.total());
-    EXPECT_EQ(0u, sigmas.total());
-    detectStripe(Mat(480, 640, CV_8U, Scalar(255)), points, sigmas);
-    EXPECT_EQ(0u, points.total());
-    detectStripe(Mat(3, 3, CV_8U, Scalar(9)), points, sigmas);
-    EXPECT_EQ(0u, points.total());
+    StripeParams params;
+    params.orientation = orientation;
+    params.roi = orientation == STRIPE_HORIZONTAL ? Rect(100, 30, 400, 150) : Rect(30, 100, 150, 400);
+    Mat points, sigmas, cropped, croppedSigmas;
+    detectStripe(image, points, sigmas, background, params);
+    const Mat part = image(params.roi).clone(), dark = background.empty() ? Mat() : background(params.roi).clone();
+    const Point2d corner = params.roi.tl();
+    params.roi = Rect();
+    detectStripe(part, cropped, croppedSigmas, dark, params);
+    ASSERT_EQ(400, points.rows);
+    ASSERT_EQ(points.rows, cropped.rows);
+    cropped.col(0) += corner.x;
+    cropped.col(1) += corner.y;
+    EXPECT_EQ(0, cv::norm(points, cropped, NORM_INF));
+    EXPECT_EQ(0, cv::norm(sigmas, croppedSigmas, NORM_INF));
 }
 
-TEST(ActiveHandEye_detectStripe, RefusesWrongInput)
+TEST(ActiveHandEye_detectStripe, RoiEqualsTheCroppedImage)
 {
-    const Mat image = StripeImage().render(true);
-    const auto refuse = [](const Mat& laser, const Mat& dark, const StripeParams& params, int code, const string& text)
+    StripeImage scene;
+    scene.noise = 3;
+    const Mat image = scene.render(true, 1), background = scene.render(false, 2);
+    for (const Mat& dark : {Mat(), background})
     {
-        Mat points, sigmas;
-        expectError([&] { detectStripe(laser, points, sigmas, dark, params); }, code, {text});
-    };
-    const StripeParams standard;
-    refuse(Mat(), Mat(), standard, Error::StsBadArg, "image: is empty");
-    refuse(Mat(9, 9, CV_32F), Mat(), standard, Error::StsBadArg, "image: needed 8 or 16 bits");
-    refuse(Mat(9, 9, CV_8UC4), Mat(), standard, Error::StsBadArg, "given 9 x 9 pixels, 4 channels");
-    refuse(image, Mat(9, 9, CV_8U), standard, Error::StsBadSize, "background: needed the size of image");
-    refuse(image, Mat(image.size(), CV_16U), standard, Error::StsBadArg, "background: needed the type of image");
+        expectRoiIsCropped(image, dark, STRIPE_HORIZONTAL);
+        expectRoiIsCropped(Mat(image.t()), dark.empty() ? Mat() : Mat(dark.t()), STRIPE_VERTICAL);
+    }
+}
+
+TEST(ActiveHandEye_detectStripe, RoiWithoutTheStripeGivesNoPoints)
+{
+    StripeImage scene;
+    scene.noise = 3;
     StripeParams params;
-    params.sigma = 0.1;
-    refuse(image, Mat(), params, Error::StsOutOfRange, "params.sigma: needed a value from 0.5 to 20, given 0.1");
-    params = StripeParams();
-    params.minSnr = std::numeric_limits<double>::quiet_NaN();
-    refuse(image, Mat(), params, Error::StsOutOfRange, "params.minSnr");
-    params = StripeParams();
-    params.orientation = 5;
-    refuse(image, Mat(), params, Error::StsBadArg, "params.orientation");
+    params.roi = Rect(0, 140, 640, 100);
+    Mat points, sigmas;
+    detectStripe(scene.render(true), points, sigmas, noArray(), params);
+    EXPECT_EQ(0, points.rows);
+}
+
+TEST(ActiveHandEye_detectStripe, ImagesWithGapsBetweenTheirRowsAreReadAsTheyAre)
+{
+    for (int type : {CV_8U, CV_16U})
+    {
+        StripeImage scene;
+        scene.noise = 3;
+        scene.type = type;
+        const Mat image = scene.render(true);
+        Mat wide(image.rows + 20, image.cols + 37, type, Scalar(200)), points, sigmas, widePoints, wideSigmas;
+        Mat inside = wide(Rect(17, 11, image.cols, image.rows));
+        image.copyTo(inside);
+        StripeParams params;
+        params.saturation = 255;
+        detectStripe(image, points, sigmas, noArray(), params);
+        detectStripe(inside, widePoints, wideSigmas, noArray(), params);
+        EXPECT_EQ(640, points.rows);
+        EXPECT_EQ(0, cv::norm(points, widePoints, NORM_INF));
+        EXPECT_EQ(0, cv::norm(sigmas, wideSigmas, NORM_INF));
+    }
+}
+
+TEST(ActiveHandEye_detectStripe, VectorsAsOutputsHoldTheSame)
+{
+    StripeImage scene;
+    scene.noise = 3;
+    const Mat image = scene.render(true);
+    Mat points, sigmas;
+    std::vector<Point2d> pointList;
+    std::vector<double> sigmaList;
+    detectStripe(image, points, sigmas);
+    detectStripe(image, pointList, sigmaList);
+    ASSERT_EQ(size_t(points.rows), pointList.size());
+    EXPECT_EQ(0, cv::norm(points.reshape(2), Mat(pointList), NORM_INF));
+    EXPECT_EQ(0, cv::norm(sigmas, Mat(sigmaList), NORM_INF));
 }
 
 }} // namespace opencv_test

@@ -14,13 +14,16 @@ namespace opencv_test { namespace {
 using namespace cv;
 using namespace cv::active_handeye;
 
+const PixelModel models[] = {PIXELS_EQUAL, PIXELS_GRAINY, PIXELS_ANY};
+
 struct NoisyFit
 {
     std::unique_ptr<StripeFit> fit{new StripeFit()};
     std::vector<double> centres;
 
-    NoisyFit(double sigma, double noise, bool isWeighted)
+    NoisyFit(double sigma, double noise, PixelModel model)
     {
+        const bool isWeighted = model == PIXELS_ANY;
         RNG rng(3);
         StripeFit& f = *fit;
         const int middle = int(std::ceil(3.5 * sigma));
@@ -28,6 +31,7 @@ struct NoisyFit
         f.inverseVariance = float(1 / (sigma * sigma));
         f.largestStep = float(sigma);
         f.pixelNoise = float(noise);
+        f.grain = 1e-3f;
         for (int i = 0; i < f.taps; ++i)
             f.gauss[i] = float(std::exp(-0.5 * (i - middle) * (i - middle) / (sigma * sigma)));
         for (int x = 0; x < FIT_LANES; ++x)
@@ -46,25 +50,25 @@ struct NoisyFit
         }
     }
 
-    void run(const StripeKernels& kernels, bool isWeighted)
+    void run(const StripeKernels& kernels, PixelModel model)
     {
         for (int i = 0; i < 10; ++i)
-            (isWeighted ? kernels.fitWeighted : kernels.fitPlain)(*fit);
-        (isWeighted ? kernels.assessWeighted : kernels.assessPlain)(*fit);
+            kernels.fit[model](*fit);
+        kernels.assess[model](*fit);
     }
 };
 
 TEST(ActiveHandEye_stripeKernels, exact_profiles_give_their_centre_height_and_offset)
 {
     for (double sigma : {0.5, 1.5, 6., 40.})
-        for (bool isWeighted : {false, true})
+        for (PixelModel model : models)
         {
-            if (isWeighted && sigma < 1)
+            if (model == PIXELS_ANY && sigma < 1)
                 continue; // too few pixels without those that do not count
-            SCOPED_TRACE(cv::format("sigma=%g weighted=%d", sigma, int(isWeighted)));
-            NoisyFit columns(sigma, 1e-9, isWeighted);
+            SCOPED_TRACE(cv::format("sigma=%g model=%d", sigma, int(model)));
+            NoisyFit columns(sigma, 1e-9, model);
             columns.fit->pixelNoise = 1;
-            columns.run(stripeKernels(), isWeighted);
+            columns.run(stripeKernels(), model);
             for (int x = 0; x < FIT_LANES; ++x)
             {
                 ASSERT_EQ(0, columns.fit->failed[x]);
@@ -77,11 +81,11 @@ TEST(ActiveHandEye_stripeKernels, exact_profiles_give_their_centre_height_and_of
 
 TEST(ActiveHandEye_stripeKernels, this_processors_and_the_portable_ones_agree)
 {
-    for (bool isWeighted : {false, true})
+    for (PixelModel model : models)
     {
-        NoisyFit fast(1.5, 8, isWeighted), portable(1.5, 8, isWeighted);
-        fast.run(stripeKernels(), isWeighted);
-        portable.run(portableStripeKernels(), isWeighted);
+        NoisyFit fast(1.5, 8, model), portable(1.5, 8, model);
+        fast.run(stripeKernels(), model);
+        portable.run(portableStripeKernels(), model);
         for (int x = 0; x < FIT_LANES; ++x)
         {
             EXPECT_EQ(portable.fit->failed[x], fast.fit->failed[x]);

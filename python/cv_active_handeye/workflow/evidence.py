@@ -104,8 +104,10 @@ def find_points(dataset: Dataset, options: CalibrationOptions, reporter: Reporte
 def stripe_params(dataset: Dataset) -> cah.StripeParams:
     """What `cah.detectStripe` has to know of the data set's laser."""
     params = cah.StripeParams()
-    vertical = dataset.laser is not None and dataset.laser.stripe == "vertical"
-    params.orientation = int(cah.STRIPE_VERTICAL if vertical else cah.STRIPE_HORIZONTAL)
+    if dataset.laser is not None:
+        vertical = dataset.laser.stripe == "vertical"
+        params.orientation = int(cah.STRIPE_VERTICAL if vertical else cah.STRIPE_HORIZONTAL)
+        params.sigma = dataset.laser.sigma_px
     return params
 
 

@@ -33,6 +33,7 @@ struct CV_EXPORTS_W_SIMPLE StripeParams
     CV_PROP_RW double saturation;    //!< grey level from which a pixel is saturated; 0 = the largest value of the image
                                      //!< type (say 4095 for 12 bits in 16); default 0
     CV_PROP_RW int minRun;           //!< shorter runs of neighbouring points are left out; default 5
+    CV_PROP_RW Rect roi; //!< part of the image to search, the rest is not looked at; default Rect() = the whole image
 };
 
 /** @brief Finds the centre line of a laser stripe, one sub-pixel point per column (or row).
@@ -43,19 +44,26 @@ difference is explained as background times Gaussian, that is: subtract the back
 removes the error that edges of the texture under the stripe cause. Of two peaks the one in line with the points at
 both sides counts. Columns without a clear peak (gaps, shadows, noise, two peaks that are as likely) give no point.
 
+Pixels count in the fit by their variance: noise of the image, and grain of the light (speckle, texture) in proportion
+to the light. The stated standard deviations follow the scatter of the points themselves: third differences of centres
+8 columns apart, over 200 columns to each side; bends of the stripe cancel in these, steps are cut off.
+
 One channel of 8 bits without background and a horizontal stripe is the fastest. Memory of the search stays with the
-thread and is used again.
+thread and is used again: a further call with images of the same size and type allocates nothing when the outputs are
+those of the call before, or have the capacity. That is so for `std::vector<Point2d>` and `std::vector<double>`, and for
+a Mat that holds the result of an earlier call: its rows are kept in reserve when fewer are found.
 
 @param[in] image 8 or 16 bit, 1 or 3 channels (their mean is used).
-@param[out] stripePoints `(Nx2)` float64 pixel positions in order of the columns (rows for STRIPE_VERTICAL); pixel
-centres have integer coordinates; N = 0 when there is no stripe.
-@param[out] sigmas `(Nx1)` float64 standard deviations of the centres along their column (row) [px], from the noise
-found around the peak. Errors of neighbouring columns are correlated where the surface is textured.
+@param[out] stripePoints `(Nx2)` float64, or a vector of Point2d: pixel positions in order of the columns (rows for
+STRIPE_VERTICAL), in the full image also with params.roi; pixel centres have integer coordinates; N = 0 when there is no
+stripe.
+@param[out] sigmas `(Nx1)` float64 standard deviations of the centres along their column (row) [px]. Errors of
+neighbouring columns are correlated where the surface is textured or the light has grain.
 @param[in] background the same view with the laser off, same size and type; empty = none.
 @param[in] params what the stripe looks like.
 
 @throws cv::Exception with `StsBadArg` / `StsBadSize` for an empty image, an unsupported type, a background that
-differs in size or type, or parameters out of range. No stripe is a normal outcome, not an error.
+differs in size or type; `StsOutOfRange` for parameters out of range and a roi that is not inside the image. No stripe is a normal outcome, not an error.
 */
 CV_EXPORTS_W void detectStripe(InputArray image, OutputArray stripePoints, OutputArray sigmas,
                                InputArray background = noArray(), const StripeParams& params = StripeParams());
