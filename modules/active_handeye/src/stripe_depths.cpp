@@ -81,6 +81,23 @@ AlignedVector<StripeDepth> depthsNearStripes(const std::vector<Pixels>& segments
     return depths;
 }
 
+AlignedVector<Vector3d> pointsBeside(const StripeLine& line, const Pixels& imagePoints,
+                                     const AlignedVector<Vector3d>& scenePoints, const Camera& camera)
+{
+    const double farthest = 30;                          // px
+    const double reach = std::sqrt(3) * line.halfLength; // RMS extent -> half of the whole
+    AlignedVector<Vector3d> beside;
+    for (size_t j = 0; j < scenePoints.size(); ++j)
+    {
+        if (!imagePoints[j].allFinite() || !scenePoints[j].allFinite())
+            continue;
+        const Vector2d ideal = (camera.K * camera.ray(imagePoints[j])).hnormalized();
+        if (std::abs(line.distance(ideal)) <= farthest && std::abs(line.direction.dot(ideal - line.centre)) <= reach)
+            beside.push_back(scenePoints[j]);
+    }
+    return beside;
+}
+
 namespace {
 
 //! mu = n / d

@@ -27,6 +27,10 @@ AlignedVector<StripeDepth> depthsNearStripes(const std::vector<Pixels>& segments
                                              const AlignedVector<Eigen::Vector3d>& scenePoints, const Camera& camera,
                                              const AlignedVector<Pose>& cam2base, double searchRadius);
 
+//! Scene points that a view shows at most 30 px (undistorted) beside a line, between its ends. imagePoints: those of the view.
+AlignedVector<Eigen::Vector3d> pointsBeside(const StripeLine& line, const Pixels& imagePoints,
+                                            const AlignedVector<Eigen::Vector3d>& scenePoints, const Camera& camera);
+
 //! Light plane from 1 / depth = (n / d).ray, three unknowns, robustly. Throws StsNoConv when it is not determined.
 LightPlane lightPlaneFromDepths(const AlignedVector<StripeDepth>& depths, double focal);
 
