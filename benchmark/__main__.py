@@ -21,10 +21,21 @@ from .report import Cell, Measure, Report, Table, format_cell
 REPOSITORY = Path(__file__).parents[1]
 REPORTS = REPOSITORY / "out/benchmark"
 NAMES = (
-    *("demo", "refine", "lens_models", "measured_points", "opencv_boards", "protocols", "degenerate", "robust"),
+    *("demo", "refine", "light_plane", "lens_models", "measured_points", "opencv_boards", "protocols"),
+    *("degenerate", "robust"),
     *("closed_form", "foe", "speed", "refine_speed", "tracking", "detectors", "real_data"),
 )
-PARALLEL = {"demo", "refine", "lens_models", "measured_points", "opencv_boards", "protocols", "degenerate", "robust"}
+PARALLEL = {
+    "demo",
+    "refine",
+    "light_plane",
+    "lens_models",
+    "measured_points",
+    "opencv_boards",
+    "protocols",
+    "degenerate",
+    "robust",
+}
 """Those that run their trials on the workers of cluster.py."""
 MARKERS = "<!-- accuracy: written by make bench -->", "<!-- end of accuracy -->"
 
@@ -64,6 +75,9 @@ HEADLINES = (
     Headline("closed_form", "t_cam2gripper*RMSE / bound", "- camera position from turns"),
     Headline("refine", "*RMSE / bound, levels estimated", "refinement of everything: RMSE / Cramér-Rao bound"),
     Headline("refine", "*coverage off*", "- coverage of its 95 % intervals is off by [%]"),
+    Headline("light_plane", "*RMSE / bound", "light plane from stripes: RMSE / Cramér-Rao bound"),
+    Headline("light_plane", "rendered cell*normal*", "- two groups of five rendered views: normal [deg]"),
+    Headline("light_plane", "rendered cell*offset*", "- offset [mm]"),
     Headline("measured_points", "*coverage off*", "- the same for points measured with the laser [%]"),
     Headline(
         "opencv_boards",

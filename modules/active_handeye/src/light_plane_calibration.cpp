@@ -191,7 +191,9 @@ void LightPlaneCalibration::updateCovariance(const LeastSquaresSummary& summary)
         return;
     const LightPlaneProblem problem(camera.K, knownPoints, 0, light_, surfaces);
     const int freedom = problem.residuals() - problem.unknowns();
-    const double misfit = freedom > 0 ? std::max(1., summary.cost / freedom) : 1;
+    const int tellingFreedom = 10; // fewer could agree by chance
+    const double found = freedom > 0 ? summary.cost / freedom : 1;
+    const double misfit = freedom >= tellingFreedom ? found : std::max(1., found);
     covariance_ = misfit * scale.asDiagonal() *
                   Matrix3d(eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() *
                            eigen.eigenvectors().transpose()) *
