@@ -56,8 +56,9 @@ def run(seed: int) -> CellRun:
         points = ImagePoints(evidence.image_points, evidence.point_sigmas)
         start = Start(calibration.camera_matrix, calibration.R_cam2gripper, calibration.t_cam2gripper)
         grouped = [segment for segment in evidence.segments if segment.view < GROUPS]
-        plane = np.ravel(refine(dataset, points, CalibrationOptions(), start, grouped).light_plane)
-    errors = calibration_errors(calibration.model_copy(update={"light_plane": plane}), cell.truth)
+        plane = refine(dataset, points, CalibrationOptions(), start, grouped).light_plane
+    assert plane is not None
+    errors = calibration_errors(calibration.model_copy(update={"light_plane": plane.ravel()}), cell.truth)
     assert errors.plane_normal_deg is not None
     assert errors.plane_offset_mm is not None
     counts = count_labels(evidence.segments, true_planes(cell, evidence.segments))

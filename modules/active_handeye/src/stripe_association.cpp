@@ -67,7 +67,7 @@ void associateStripes(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gr
     AlignedVector<Pose> cam2base;
     for (const Pose& pose : gripper2base)
         cam2base.push_back(Pose{pose.R * cam2gripper.R, pose.R * cam2gripper.t + pose.t});
-    const AlignedVector<Vector3d> scenePoints = triangulate(tracks, camera, cam2base);
+    const ScenePoints scenePoints = triangulate(tracks, camera, cam2base);
     const double focal = std::sqrt(camera.K(0, 0) * camera.K(1, 1));
     const LightPlane light =
         lightPlaneFromDepths(depthsNearStripes(segments, views, tracks, scenePoints, camera, cam2base, searchRadius),

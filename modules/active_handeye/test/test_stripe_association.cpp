@@ -155,8 +155,9 @@ TEST(ActiveHandEye_associateStripes, ViewsOutsideTheGroupsJoinTheSurfacesOfTheGr
 TEST(ActiveHandEye_associateStripes, TwoViewsOfDifferentGroupsShareASurfaceThatPointsConfirm)
 {
     StripeScene scene = StripeScene::standard();
+    scene.addGroup(Vec3d(1, 0.3, 0), 4, StripeScene::star(0.05));
     scene.shine(0.05);
-    keepViews(scene, 2, {1, 7});
+    keepViews(scene, 2, {0, 11});
     const std::vector<Mat> tracks = track(scene, 0.1, 0, 8);
     const std::vector<int> confirmed = idsOfSurface(scene, associate(scene, tracks).ids, 2);
     ASSERT_EQ(2u, confirmed.size());
