@@ -39,6 +39,8 @@ NORMAL, OFFSET = [NAMES.index(name) for name in ("nx", "ny", "nz")], [NAMES.inde
 QUANTITIES = {"normal [deg]": (slice(0, 3), float(np.degrees(1))), "offset [mm]": (slice(3, 4), 1000.0)}
 LIMIT, STATED, SLACK = 1.1, 95.0, 2.0
 CELL_LIMITS = {"normal [deg]": 0.01, "offset [mm]": 0.05}
+LABELLED, WRONG = 85.0, 1.0
+"""Of the segments whose surface two views or more show, per cent."""
 POINTS = 15
 """Of a segment."""
 
@@ -132,6 +134,12 @@ def cell_table(runs: Sequence[CellRun]) -> tuple[Table, list[Measure]]:
     measures = [
         Measure(f"rendered cell, two groups of five: {what}, median", value, CELL_LIMITS[what])
         for what, value in zip(QUANTITIES, medians, strict=True)
+    ]
+    measures += [
+        Measure(
+            "rendered cell: stripe segments with their surface [%]", 100 * labelled / able, LABELLED, at_least=True
+        ),
+        Measure("rendered cell: stripe segments with a wrong surface [%]", 100 * wrong / able, WRONG),
     ]
     return Table("Rendered cell, two groups of five stops, joint refinement", columns, rows, note), measures
 
