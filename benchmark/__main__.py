@@ -73,6 +73,9 @@ HEADLINES = (
     Headline("closed_form", "t_cam2gripper*RMSE / bound", "- camera position from turns"),
     Headline("refine", "*RMSE / bound, levels estimated", "refinement of everything: RMSE / Cramér-Rao bound"),
     Headline("refine", "*coverage off*", "- coverage of its 95 % intervals is off by [%]"),
+    Headline("light_plane", "*RMSE / bound", "light plane from stripes: RMSE / Cramér-Rao bound"),
+    Headline("light_plane", "rendered cell*normal*", "- two groups of five rendered views: normal [deg]"),
+    Headline("light_plane", "rendered cell*offset*", "- offset [mm]"),
     Headline("measured_points", "*coverage off*", "- the same for points measured with the laser [%]"),
     Headline(
         "opencv_boards",

@@ -61,7 +61,7 @@ def _solve(world: World, noise: Noise, free: Sequence[str], recording: Recording
     spread = np.zeros((len(NAMES), len(total)))
     spread[:SHARED, :SHARED] = np.eye(SHARED)
     if world.stripes is not None:
-        spread[SHARED:, SHARED : SHARED + 3] = _plane_tangent(world.stripes.light_plane)
+        spread[SHARED:, SHARED : SHARED + 3] = plane_tangent(world.stripes.light_plane)
     return np.asarray(spread @ covariance @ spread.T), np.asarray(-spread @ (covariance @ total[:, -1]))
 
 
@@ -122,7 +122,7 @@ def _points(world: World, recording: Recording | None) -> Array:
     return np.asarray(total - half.T @ half)
 
 
-def _plane_tangent(plane: Array) -> Array:
+def plane_tangent(plane: Array) -> Array:
     """(4, 3): the ways in which (n, d) can change while |n| = 1."""
     normal = plane[:3] / np.linalg.norm(plane[:3])
     tangent = np.linalg.svd(normal[None])[2][1:]
@@ -140,10 +140,10 @@ def _stripes(world: World, recording: Recording | None) -> Array:
     V, S = len(world.R_gripper2base), len(surfaces)
     moved: list[tuple[NDArray[Any], NDArray[Any], NDArray[Any]]] = []
     moved += [(p + 1j * STEP * unit, light, surfaces) for unit in np.eye(SHARED)]
-    moved += [(p, light + 1j * STEP * way, surfaces) for way in _plane_tangent(light).T]
+    moved += [(p, light + 1j * STEP * way, surfaces) for way in plane_tangent(light).T]
     for s in range(S):
         moved += [
-            (p, light, surfaces + 1j * STEP * np.outer(np.eye(S)[s], way)) for way in _plane_tangent(surfaces[s]).T
+            (p, light, surfaces + 1j * STEP * np.outer(np.eye(S)[s], way)) for way in plane_tangent(surfaces[s]).T
         ]
     shared = _slopes([stripes.rows(world, *case, *reported) for case in moved])
     own = _slopes([stripes.rows(world, p, light, surfaces, *pose) for pose in _pose_steps(world)])

@@ -104,6 +104,9 @@ Attributes:
     rejectedViews: views whose reported pose was not believed.
     rejectedSegments: stripe segments left out.
     stripeResiduals: (S, 2) distances of the two ends of every segment from its prediction; NaN = not used.
+    stripeGroups: (G, 6), a row for every group of equal orientation whose stripes were used: first view, number of
+        views, of segments and of surfaces, and the standard deviations of the light plane's normal (rad) and offset
+        without the stripes of this group (all else alike); infinite = the light plane would not be determined.
     culprits: what was left out or not believed, and why.
     scenePoints: (N, 3) in the base frame; NaN = not determined.
     weakDirections: what the data determine badly, and what motion would cure it.
@@ -200,6 +203,7 @@ void bindSummary(py::module_& m)
         .def_readonly("rejectedViews", &RefineSummary::rejectedViews)
         .def_readonly("rejectedSegments", &RefineSummary::rejectedSegments)
         .def_property_readonly("stripeResiduals", read<double, &RefineSummary::stripeResiduals>)
+        .def_property_readonly("stripeGroups", read<double, &RefineSummary::stripeGroups>)
         .def_readonly("culprits", &RefineSummary::culprits)
         .def_property_readonly("scenePoints", read<double, &RefineSummary::scenePoints>)
         .def_readonly("weakDirections", &RefineSummary::weakDirections)

@@ -52,7 +52,9 @@ const char* const associateDoc =
     R"doc(Which stripe segments of different views lie on the same fixed plane of the scene.
 
 The tracked points are triangulated; where a stripe passes near them they give a rough light plane, and with it the
-segments become lines in the base frame, which are gathered on planes.
+segments become lines in the base frame, which are gathered on planes that the tracked points beside them do not
+contradict: inside a group of equal orientation first, then across groups. Where two views alone share a plane, the
+points have to confirm it. The tolerance shrinks to what the planes found show to be needed.
 
 Args:
     R_gripper2base: V rotations of the gripper in the robot's base frame, (3, 3) or rotation vectors.

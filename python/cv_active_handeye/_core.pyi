@@ -226,6 +226,9 @@ class RefineSummary:
         rejectedViews: views whose reported pose was not believed.
         rejectedSegments: stripe segments left out.
         stripeResiduals: (S, 2) distances of the two ends of every segment from its prediction; NaN = not used.
+        stripeGroups: (G, 6), a row for every group of equal orientation whose stripes were used: first view, number of
+            views, of segments and of surfaces, and the standard deviations of the light plane's normal (rad) and offset
+            without the stripes of this group (all else alike); infinite = the light plane would not be determined.
         culprits: what was left out or not believed, and why.
         scenePoints: (N, 3) in the base frame; NaN = not determined.
         weakDirections: what the data determine badly, and what motion would cure it.
@@ -282,6 +285,8 @@ class RefineSummary:
     def standardDeviations(self) -> numpy.typing.NDArray[numpy.float64]: ...
     @property
     def stopReason(self) -> str: ...
+    @property
+    def stripeGroups(self) -> numpy.typing.NDArray[numpy.float64]: ...
     @property
     def stripeResiduals(self) -> numpy.typing.NDArray[numpy.float64]: ...
     @property
@@ -388,7 +393,9 @@ def associateStripes(
     Which stripe segments of different views lie on the same fixed plane of the scene.
 
     The tracked points are triangulated; where a stripe passes near them they give a rough light plane, and with it the
-    segments become lines in the base frame, which are gathered on planes.
+    segments become lines in the base frame, which are gathered on planes that the tracked points beside them do not
+    contradict: inside a group of equal orientation first, then across groups. Where two views alone share a plane, the
+    points have to confirm it. The tolerance shrinks to what the planes found show to be needed.
 
     Args:
         R_gripper2base: V rotations of the gripper in the robot's base frame, (3, 3) or rotation vectors.

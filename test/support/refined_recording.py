@@ -81,6 +81,7 @@ def refined_recording(
         summary.rejectedSegments = [7]
         summary.stripeResiduals[7] = np.nan
         summary.stripeResiduals[2::3] = np.nan
+        summary.stripeGroups = np.array([[0, 4, 11, 3, 0.0031, 0.00042], [4, 4, 12, 3, np.inf, np.inf]])
     return RefinedRecording(dataset, _calibration(dataset, evidence, laser), evidence, summary)
 
 
@@ -172,6 +173,7 @@ def _summary(segments: int, C: Array, residuals: Array) -> SimpleNamespace:
         chiSquarePValue=0.585,
         lensModel=int(getattr(cah, "LENS_K1_K2", 2)),
         lensTests=np.array(lens),
+        stripeGroups=np.zeros((0, 6)),
         residuals=residuals,
         rejectedViews=[],
         rejectedSegments=[],

@@ -149,6 +149,15 @@ def test_board_comparison_shows_every_method_and_why_one_gave_nothing(recording:
     assert "OpenCV TSAI gave NaN – – –" in words
 
 
+def test_contribution_of_every_group_to_the_light_plane(recording: RefinedRecording, tmp_path: Path) -> None:
+    normal, offset = np.degrees(np.sqrt(np.trace(recording.summary.covariance[16:19, 16:19]))), 0.02
+    words = page_of(recording).words
+    assert f"none 23 {two_digits(normal)} {two_digits(offset)}" in words
+    assert "4 views from view 0 on 11 3 0.18 0.42" in words
+    assert "4 views from view 4 on 12 3 not determined not determined" in words
+    assert "contributes" not in page_of(refined_recording(tmp_path / "dark", laser=False)).words
+
+
 def test_page_of_a_result_that_used_nothing_still_stands(recording: RefinedRecording) -> None:
     summary = recording.summary
     summary.usable = False

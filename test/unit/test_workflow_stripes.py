@@ -11,6 +11,7 @@ import pytest
 from support.exact_recording import exact_recording
 from support.stripe_recording import stripe_image
 
+import cv_active_handeye as cah
 from cv_active_handeye.calibration import Calibration
 from cv_active_handeye.config import CalibrationOptions
 from cv_active_handeye.dataset import CameraInfo, Dataset, LaserInfo
@@ -93,3 +94,20 @@ def test_each_segment_keeps_the_surface_the_data_set_names(tmp_path: Path) -> No
     evidence = calibrate_with_evidence(recording_with_stripes(tmp_path / "set", 1), known_camera())[1]
     assert {segment.surface for segment in evidence.segments} == {1}
     assert [segment.view for segment in evidence.segments] == list(range(14))
+
+
+def test_one_view_with_a_stripe_is_refused_with_what_is_needed(tmp_path: Path) -> None:
+    dataset = recording_with_stripes(tmp_path / "all", 0)
+    alone = Dataset.create(tmp_path / "one", camera=dataset.camera, laser=dataset.laser)
+    for view in dataset.views:
+        image = dataset.laser_image(0) if view.index == 0 else None
+        alone.add_view(
+            view.R_gripper2base, view.t_gripper2base, laser_image=image, surface_id=0 if not view.index else None
+        )
+    points = dataset.image_points()
+    assert points is not None
+    alone.set_image_points(points)
+    with pytest.raises(
+        cah.error, match="surfaceIds: no surface has its stripe in enough views; needed at least 3 views"
+    ):
+        calibrate(alone, known_camera())

@@ -173,6 +173,20 @@ void LightPlaneCalibration::refine()
     updateCovariance(solve(std::numeric_limits<double>::infinity()));
 }
 
+//! Share of the lines' variances that is not the scatter of their pixels but the floor, which good luck must not lower.
+static double meanFloorShare(const StripeSurfaces& surfaces)
+{
+    double sum = 0, lines = 0;
+    for (const StripeSurface& surface : surfaces)
+        for (const StripeView& view : surface.views)
+        {
+            const double n = view.line.points, scatter = n > 2 ? 2 * view.line.squares / (n - 2) / n : 0;
+            sum += 1 - scatter / (view.line.sigma * view.line.sigma);
+            lines += 1;
+        }
+    return sum / lines;
+}
+
 //! Information on n and d when the surfaces are unknown (Schur complement), and its inverse.
 void LightPlaneCalibration::updateCovariance(const LeastSquaresSummary& summary)
 {
@@ -191,7 +205,9 @@ void LightPlaneCalibration::updateCovariance(const LeastSquaresSummary& summary)
         return;
     const LightPlaneProblem problem(camera.K, knownPoints, 0, light_, surfaces);
     const int freedom = problem.residuals() - problem.unknowns();
-    const double misfit = freedom > 0 ? std::max(1., summary.cost / freedom) : 1;
+    const int tellingFreedom = 10; // fewer could agree by chance
+    const double found = freedom > 0 ? summary.cost / freedom : 1;
+    const double misfit = std::max(freedom >= tellingFreedom ? meanFloorShare(surfaces) : 1, found);
     covariance_ = misfit * scale.asDiagonal() *
                   Matrix3d(eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() *
                            eigen.eigenvectors().transpose()) *

@@ -97,6 +97,8 @@ private:
     void summarizeNoise(RefineSummary& summary) const;
     void summarizeResiduals(RefineSummary& summary) const;
     void summarizeStripes(RefineSummary& summary) const;
+    void summarizeStripeGroups(RefineSummary& summary) const;
+    Eigen::Vector2d lightPlaneDeviationsWithout(const std::vector<int>& views) const;
     void summarizeVerdict(RefineSummary& summary) const;
 
     const RefineMeasurements& measurements_;

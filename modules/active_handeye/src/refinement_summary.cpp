@@ -227,6 +227,7 @@ void HandEyeRefinement::summarize(RefineSummary& summary) const
     summarizeNoise(summary);
     summarizeResiduals(summary);
     summarizeStripes(summary);
+    summarizeStripeGroups(summary);
     summarizeVerdict(summary);
 }
 

@@ -11,7 +11,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-static Vector3d nearestToRays(const AlignedVector<Vector3d>& origins, const AlignedVector<Vector3d>& directions)
+static ScenePoint nearestToRays(const AlignedVector<Vector3d>& origins, const AlignedVector<Vector3d>& directions)
 {
     Matrix3d A = Matrix3d::Zero();
     Vector3d b = Vector3d::Zero();
@@ -23,16 +23,17 @@ static Vector3d nearestToRays(const AlignedVector<Vector3d>& origins, const Alig
     }
     const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(A);
     const double leastParallax = 0.003; // rad
-    if (origins.size() < 2 || eigen.eigenvalues()(0) < leastParallax * leastParallax)
-        return Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-    return A.ldlt().solve(b);
+    const double parallax = std::sqrt(std::max(0., eigen.eigenvalues()(0)));
+    if (origins.size() < 2 || parallax < leastParallax)
+        return ScenePoint{Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()), 0};
+    return ScenePoint{A.ldlt().solve(b), parallax};
 }
 
-AlignedVector<Vector3d> triangulate(const std::vector<Pixels>& imagePoints, const Camera& camera,
-                                    const AlignedVector<Pose>& cam2base)
+ScenePoints triangulate(const std::vector<Pixels>& imagePoints, const Camera& camera,
+                        const AlignedVector<Pose>& cam2base)
 {
     const double largestMiss = 5; // px
-    AlignedVector<Vector3d> points;
+    ScenePoints points;
     for (size_t j = 0; j < imagePoints[0].size(); ++j)
     {
         AlignedVector<Vector3d> origins, directions;
@@ -42,7 +43,8 @@ AlignedVector<Vector3d> triangulate(const std::vector<Pixels>& imagePoints, cons
                 origins.push_back(cam2base[v].t);
                 directions.push_back(cam2base[v].R * camera.ray(imagePoints[v][j]).normalized());
             }
-        Vector3d X = nearestToRays(origins, directions);
+        ScenePoint point = nearestToRays(origins, directions);
+        Vector3d& X = point.X;
         for (size_t v = 0; v < imagePoints.size() && X.allFinite(); ++v)
         {
             if (!imagePoints[v][j].allFinite())
@@ -51,15 +53,15 @@ AlignedVector<Vector3d> triangulate(const std::vector<Pixels>& imagePoints, cons
             if (seen.z() <= 0 || (camera.project(seen) - imagePoints[v][j]).norm() > largestMiss)
                 X.setConstant(std::numeric_limits<double>::quiet_NaN());
         }
-        points.push_back(X);
+        points.push_back(point);
     }
     return points;
 }
 
 AlignedVector<StripeDepth> depthsNearStripes(const std::vector<Pixels>& segments, const std::vector<int>& views,
-                                             const std::vector<Pixels>& imagePoints,
-                                             const AlignedVector<Vector3d>& scenePoints, const Camera& camera,
-                                             const AlignedVector<Pose>& cam2base, double searchRadius)
+                                             const std::vector<Pixels>& imagePoints, const ScenePoints& scenePoints,
+                                             const Camera& camera, const AlignedVector<Pose>& cam2base,
+                                             double searchRadius)
 {
     AlignedVector<StripeDepth> depths;
     for (size_t s = 0; s < segments.size(); ++s)
@@ -68,17 +70,35 @@ AlignedVector<StripeDepth> depthsNearStripes(const std::vector<Pixels>& segments
         for (size_t j = 0; j < scenePoints.size(); ++j)
         {
             const Vector2d& pixel = imagePoints[views[s]][j];
-            if (!pixel.allFinite() || !scenePoints[j].allFinite())
+            if (!pixel.allFinite() || !scenePoints[j].X.allFinite())
                 continue;
             const auto nearer = [&](const Vector2d& a, const Vector2d& b)
             { return (a - pixel).squaredNorm() < (b - pixel).squaredNorm(); };
             const Vector2d nearest = *std::min_element(segments[s].begin(), segments[s].end(), nearer);
             if ((nearest - pixel).norm() <= searchRadius)
                 depths.push_back(StripeDepth{camera.ray(nearest),
-                                             1 / (pose.R.transpose() * (scenePoints[j] - pose.t)).z()});
+                                             1 / (pose.R.transpose() * (scenePoints[j].X - pose.t)).z()});
         }
     }
     return depths;
+}
+
+AlignedVector<Vector3d> pointsBeside(const StripeLine& line, const Pixels& imagePoints, const ScenePoints& scenePoints,
+                                     const Camera& camera)
+{
+    const double leastParallax = 0.1;                    // rad: 0.1 px of error shift a depth like 1 px of the stripe
+    const double farthest = 30;                          // px
+    const double reach = std::sqrt(3) * line.halfLength; // RMS extent -> half of the whole
+    AlignedVector<Vector3d> beside;
+    for (size_t j = 0; j < scenePoints.size(); ++j)
+    {
+        if (!imagePoints[j].allFinite() || !(scenePoints[j].parallax >= leastParallax) || !scenePoints[j].X.allFinite())
+            continue;
+        const Vector2d ideal = (camera.K * camera.ray(imagePoints[j])).hnormalized();
+        if (std::abs(line.distance(ideal)) <= farthest && std::abs(line.direction.dot(ideal - line.centre)) <= reach)
+            beside.push_back(scenePoints[j].X);
+    }
+    return beside;
 }
 
 namespace {

@@ -9,10 +9,19 @@
 
 namespace cv { namespace active_handeye {
 
-//! Scene points in the base frame from their image points in all views, by the nearest point to their rays; NaN where the rays have no
-//! parallax or miss the point by more than 5 px.
-AlignedVector<Eigen::Vector3d> triangulate(const std::vector<Pixels>& imagePoints, const Camera& camera,
-                                           const AlignedVector<Pose>& cam2base);
+//! A tracked point in the base frame.
+struct ScenePoint
+{
+    Eigen::Vector3d X; //!< NaN where the rays have no parallax or miss the point by more than 5 px
+    double
+        parallax; //!< rad, over all of its rays: their directions' error over this is the relative error of its depth
+};
+
+typedef AlignedVector<ScenePoint> ScenePoints;
+
+//! Scene points from their image points in all views, by the nearest point to their rays.
+ScenePoints triangulate(const std::vector<Pixels>& imagePoints, const Camera& camera,
+                        const AlignedVector<Pose>& cam2base);
 
 //! A ray on the stripe and the inverse depth of a scene point seen near it.
 struct StripeDepth
@@ -23,9 +32,14 @@ struct StripeDepth
 
 //! For every tracked point within searchRadius pixels of a segment: the nearest pixel of that segment.
 AlignedVector<StripeDepth> depthsNearStripes(const std::vector<Pixels>& segments, const std::vector<int>& views,
-                                             const std::vector<Pixels>& imagePoints,
-                                             const AlignedVector<Eigen::Vector3d>& scenePoints, const Camera& camera,
-                                             const AlignedVector<Pose>& cam2base, double searchRadius);
+                                             const std::vector<Pixels>& imagePoints, const ScenePoints& scenePoints,
+                                             const Camera& camera, const AlignedVector<Pose>& cam2base,
+                                             double searchRadius);
+
+//! Scene points of well known depth that a view shows at most 30 px (undistorted) beside a line, between its ends.
+//! imagePoints: those of the view.
+AlignedVector<Eigen::Vector3d> pointsBeside(const StripeLine& line, const Pixels& imagePoints,
+                                            const ScenePoints& scenePoints, const Camera& camera);
 
 //! Light plane from 1 / depth = (n / d).ray, three unknowns, robustly. Throws StsNoConv when it is not determined.
 LightPlane lightPlaneFromDepths(const AlignedVector<StripeDepth>& depths, double focal);

@@ -5,7 +5,7 @@
 
 namespace opencv_test { namespace {
 
-//! Tracked points on the surfaces of the scene, seen by all views, with noise; and their share of wrong matches.
+//! Tracked points on the surfaces of the scene, with noise, and a share of wrong matches. A view sees a surface where its stripe is.
 std::vector<Mat> track(const StripeScene& scene, double noise, double wrong, uint64 seed)
 {
     RNG rng(seed);
@@ -26,12 +26,14 @@ std::vector<Mat> track(const StripeScene& scene, double noise, double wrong, uin
         Mat seen(int(points.size()), 2, CV_64F);
         for (int i = 0; i < seen.rows; ++i)
         {
+            const SceneSurface& surface = scene.surfaces[i % scene.surfaces.size()];
             const Vec3d X = scene.cam2base(view).t() * (points[i] - scene.cameraPosition(view)), x = scene.K * X;
-            Vec2d pixel =
-                scene.distort(Vec2d(x[0] / x[2], x[1] / x[2])) + Vec2d(rng.gaussian(noise), rng.gaussian(noise));
-            if (rng.uniform(0., 1.) < wrong)
+            const Vec2d ideal(x[0] / x[2], x[1] / x[2]);
+            Vec2d pixel = scene.distort(ideal) + Vec2d(rng.gaussian(noise), rng.gaussian(noise));
+            const bool isSeen = ideal[0] >= surface.firstColumn && ideal[0] <= surface.lastColumn;
+            if (isSeen && rng.uniform(0., 1.) < wrong)
                 pixel = Vec2d(rng.uniform(0., 640.), rng.uniform(0., 480.));
-            if (pixel[0] < 0 || pixel[0] > 639 || pixel[1] < 0 || pixel[1] > 479)
+            if (!isSeen || pixel[0] < 0 || pixel[0] > 639 || pixel[1] < 0 || pixel[1] > 479)
                 pixel = Vec2d::all(std::numeric_limits<double>::quiet_NaN());
             seen.at<double>(i, 0) = pixel[0];
             seen.at<double>(i, 1) = pixel[1];
@@ -111,6 +113,129 @@ TEST(ActiveHandEye_associateStripes, WrongTracksAndSegmentsAreLeftOut)
     EXPECT_EQ(0, missed);
     EXPECT_EQ(-1, found.ids[5]);
     EXPECT_EQ(-1, found.ids[20]);
+}
+
+//! Leaves the segments of a surface in some views only.
+void keepViews(StripeScene& scene, int surface, const std::vector<int>& views)
+{
+    for (size_t i = scene.ids.size(); i-- > 0;)
+        if (scene.ids[i] == surface && std::find(views.begin(), views.end(), scene.views[i]) == views.end())
+        {
+            scene.points.erase(scene.points.begin() + i);
+            scene.views.erase(scene.views.begin() + i);
+            scene.ids.erase(scene.ids.begin() + i);
+        }
+}
+
+std::vector<int> idsOfSurface(const StripeScene& scene, const std::vector<int>& ids, int surface)
+{
+    std::vector<int> own;
+    for (size_t i = 0; i < ids.size(); ++i)
+        if (scene.ids[i] == surface)
+            own.push_back(ids[i]);
+    return own;
+}
+
+TEST(ActiveHandEye_associateStripes, ViewsOutsideTheGroupsJoinTheSurfacesOfTheGroups)
+{
+    StripeScene scene = StripeScene::standard();
+    scene.addGroup(Vec3d(0, 0, 1), 50, {Vec3d(0.02, -0.01, 0.5)});
+    scene.addGroup(Vec3d(1, 1, 0), 12, {Vec3d(0.01, 0.02, 0.52), Vec3d(0.03, 0, 0.48)});
+    scene.shine(0.05);
+    const Association found = associate(scene, track(scene, 0.1, 0, 7));
+    for (int surface = 0; surface < 3; ++surface)
+    {
+        const std::vector<int> own = idsOfSurface(scene, found.ids, surface);
+        ASSERT_EQ(13u, own.size());
+        EXPECT_GE(own[0], 0);
+        EXPECT_EQ(std::vector<int>(13, own[0]), own);
+    }
+}
+
+TEST(ActiveHandEye_associateStripes, TwoViewsOfDifferentGroupsShareASurfaceThatPointsConfirm)
+{
+    StripeScene scene = StripeScene::standard();
+    scene.addGroup(Vec3d(1, 0.3, 0), 4, StripeScene::star(0.05));
+    scene.shine(0.05);
+    keepViews(scene, 2, {0, 11});
+    const std::vector<Mat> tracks = track(scene, 0.1, 0, 8);
+    const std::vector<int> confirmed = idsOfSurface(scene, associate(scene, tracks).ids, 2);
+    ASSERT_EQ(2u, confirmed.size());
+    EXPECT_GE(confirmed[0], 0);
+    EXPECT_EQ(confirmed[0], confirmed[1]);
+
+    const int surfaces = int(scene.surfaces.size());
+    for (const Mat& seen : tracks)
+        for (int i = 2; i < seen.rows; i += surfaces) // the tracks of surface 2
+            seen.row(i).setTo(std::numeric_limits<double>::quiet_NaN());
+    EXPECT_EQ(std::vector<int>(2, -1), idsOfSurface(scene, associate(scene, tracks).ids, 2));
+}
+
+StripeScene fiveSurfaces()
+{
+    StripeScene scene = StripeScene::standard();
+    scene.surfaces.clear();
+    scene.addSurface(Vec3d(0, 0, 1), 0, 20, 120);
+    scene.addSurface(Vec3d(0.1, -0.35, 1), 0.02, 140, 240);
+    scene.addSurface(Vec3d(-0.4, 0.1, 1), 0.01, 260, 360);
+    scene.addSurface(Vec3d(0.3, 0.3, 1), 0.03, 380, 480);
+    scene.addSurface(Vec3d(-0.1, 0.45, 1), -0.01, 500, 600);
+    return scene;
+}
+
+TEST(ActiveHandEye_associateStripes, SurfacesOfOneViewAloneChangeNothing)
+{
+    StripeScene scene = fiveSurfaces();
+    scene.shine(0.05);
+    for (int surface : {2, 3, 4})
+        keepViews(scene, surface, {3});
+    StripeScene without = scene;
+    for (int surface : {2, 3, 4})
+        keepViews(without, surface, {});
+    scene.ids = associate(scene, track(scene, 0.1, 0, 9)).ids;
+    EXPECT_EQ(3, std::count(scene.ids.begin(), scene.ids.end(), -1));
+    Vec4d plane, expected;
+    scene.calibrate(plane);
+    without.calibrate(expected);
+    EXPECT_LE(cv::norm(plane, expected, NORM_INF), 1e-12);
+}
+
+TEST(ActiveHandEye_associateStripes, ViewsThatMeetFiveSurfacesHelpTheLightPlane)
+{
+    Vec2d few, five; // mean squares of the errors of normal and offset, with two and with five surfaces a view
+    double fewVariance = 0, fiveVariance = 0;
+    const int trials = 20;
+    for (int trial = 0; trial < trials; ++trial)
+    {
+        StripeScene scene = fiveSurfaces();
+        scene.columnStep = 4;
+        scene.shine(0.1, 20 + trial);
+        const std::vector<int> truth = scene.ids;
+        scene.ids = associate(scene, track(scene, 0.1, 0.02, 40 + trial)).ids;
+        int wrong, missed, right;
+        StripeScene labelled = scene;
+        labelled.ids = truth;
+        countPairs(labelled, scene.ids, 5, wrong, missed, right);
+        EXPECT_EQ(0, wrong);
+        EXPECT_LE(missed, right / 20);
+        Mat covariance(4, 4, CV_64F);
+        const auto add = [&](const StripeScene& s, Vec2d& squares, double& variance)
+        {
+            Vec4d plane;
+            s.calibrate(plane, covariance);
+            squares += Vec2d(std::pow(s.normalError(plane), 2), std::pow(plane[3] - s.d, 2)) / trials;
+            variance += covariance.at<double>(3, 3) / trials;
+        };
+        add(scene, five, fiveVariance);
+        StripeScene lean = scene;
+        for (size_t i = 0; i < truth.size(); ++i)
+            if (truth[i] > 1)
+                lean.ids[i] = -1;
+        add(lean, few, fewVariance);
+    }
+    EXPECT_LE(fiveVariance, 0.7 * fewVariance);
+    EXPECT_LE(five[0], 0.8 * few[0]);
+    EXPECT_LE(five[1], 0.8 * few[1]);
 }
 
 TEST(ActiveHandEye_associateStripes, UnitsOfLengthDoNotMatter)

@@ -34,10 +34,12 @@ from .tables import (
     inside_text,
     limits_table,
     scores_table,
+    stripe_groups_table,
     verification_table,
 )
 
 __all__ = ["app"]
+
 
 @command("demo", "demo --seed 3 --output out/demo")
 def demo(
@@ -151,6 +153,8 @@ def calibrate(
         if page is not None:
             report_calibration(page, recording, result, evidence, reporter, spec)
     _print_calibration(result, str(output))
+    if evidence.summary is not None and result.light_plane is not None:
+        out.print(stripe_groups_table(evidence.summary))
     print_lines(f"Written to {output}", *([f"Report: {page}"] if page is not None else []))
     if result.verdict is not None and not result.verdict.usable:
         raise typer.Exit(int(Exit.BEYOND_LIMITS))

@@ -19,6 +19,7 @@ from ..dataset import Dataset
 from ..report import true_parameters
 from ..report.errors import rotation_vector_deg
 from ..report.parameters import ROTATION, SCALES
+from ..report.tables import stripe_groups
 from ..report.words import two_digits
 from ..workflow import Comparison
 from .results import parameter_rows
@@ -44,6 +45,14 @@ def calibration_table(calibration: Calibration, title: str = "calibration") -> T
     table = _table(f"{title}: NOT USABLE" if unusable else title, "quantity", "estimate", "95 % interval", "unit")
     for row in parameter_rows(calibration):
         table.add_row(row.label, f"{row.value:.{row.digits}f}", row.interval, row.unit)
+    return table
+
+
+def stripe_groups_table(summary: cah.RefineSummary) -> Table:
+    """What the stripes of each group of equal orientation contribute to the light plane."""
+    table = _table("light plane: sigmas without the stripes of a group", "without", "segments", "surfaces", "deg", "mm")
+    for row in stripe_groups(summary):
+        table.add_row(*row)
     return table
 
 

@@ -75,6 +75,7 @@ def _content(case: ReportInput) -> dict[str, Any]:
         "chi_square": tables.chi_square_words(case),
         "lens_tests": tables.lens_tests(case),
         "views": tables.views_table(case),
+        "stripe_groups": tables.stripe_groups(case.summary),
         "segments": tables.rejected_segments(case),
         "comparison": tables.comparison_table(case),
         "comparison_words": tables.comparison_words(case),

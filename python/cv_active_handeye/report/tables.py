@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from .errors import rotation_vector_deg
-from .inputs import ReportInput, column
-from .words import fixed, sentence
+from .inputs import ReportInput, Summary, column
+from .words import counted, fixed, sentence, two_digits
 
 LENS_MODELS = ("none", "k1", "k1, k2", "k1, k2, p1, p2", "k1, k2, p1, p2, k3")
 NOISE = (
@@ -137,6 +137,38 @@ def rejected_segments(case: ReportInput) -> list[SegmentRow]:
         surface = str(segment.surface) if segment.surface >= 0 else "not known"
         rows.append(SegmentRow(k, segment.view, surface, place))
     return rows
+
+
+class StripeGroupRow(NamedTuple):
+    """What the light plane owes to the stripes of one group of equal orientation: sigmas without them."""
+
+    group: str
+    segments: str
+    surfaces: str
+    normal_deg: str
+    offset_mm: str
+
+
+def stripe_groups(summary: Summary) -> list[StripeGroupRow]:
+    """First the sigmas with all stripes, then those without each group; empty without stripes."""
+    groups = np.asarray(summary.stripeGroups, np.float64).reshape(-1, 6)
+    if not len(groups):
+        return []
+    variances = dict(zip(summary.parameterNames, np.diag(summary.covariance), strict=True))
+    normal = math.sqrt(sum(variances[name] for name in ("nx", "ny", "nz")))
+    offset = math.sqrt(variances["d"])
+    rows = [StripeGroupRow("none", f"{groups[:, 2].sum():.0f}", "", *_plane_sigmas(normal, offset))]
+    for first, views, segments, surfaces, *without in groups.tolist():
+        name = f"{counted(int(views), 'view')} from view {first:.0f} on"
+        rows.append(StripeGroupRow(name, f"{segments:.0f}", f"{surfaces:.0f}", *_plane_sigmas(*without)))
+    return rows
+
+
+def _plane_sigmas(normal: float, offset: float) -> tuple[str, str]:
+    """In degrees and mm, in words where nothing determines them."""
+    if not math.isfinite(normal + offset):
+        return "not determined", "not determined"
+    return two_digits(math.degrees(normal)), two_digits(1000 * offset)
 
 
 class ComparisonRow(NamedTuple):

@@ -43,9 +43,11 @@ rotation vectors.
 @param[in] distCoeffs distortion coefficients as in OpenCV (k1, k2, p1, p2[, k3 ...]); empty = none.
 @param[in] R_cam2gripper `(3x3)` or `(3x1)` rotation of the camera in the gripper frame.
 @param[out] lightPlane `(4x1)` (nx, ny, nz, d) in the camera frame, n.X = d, |n| = 1, d > 0.
-@param[out] covariance `(4x4)` covariance of lightPlane; its rank is 3 because |n| = 1.
+@param[out] covariance `(4x4)` covariance of lightPlane; its rank is 3 because |n| = 1. It is scaled by the lines'
+misfit, which with fewer than ten degrees of freedom may only enlarge it.
 @param[in] knownPoints optional `(Mx3)` points of the light plane in the camera frame (paper (30), (31)); each adds
-the equation n.X = d. They are taken as exact to 1/1000 of their depth.
+the equation n.X = d. They are taken as exact to 1/1000 of their depth. A point on the stripe that a pure translation c
+of the camera shows along the rays x1 and x2 (from its pixels) is X = x1 ((x2 x x1).(x2 x c)) / |x2 x x1|^2.
 @param[in] orientationTolerance views whose orientations differ by less (degrees) form one group.
 @return RMS distance, in pixels, of the stripe points used to the lines predicted by the result.
 

@@ -111,6 +111,12 @@ struct CV_EXPORTS_W_SIMPLE RefineSummary
     CV_PROP_RW std::vector<int> rejectedSegments; //!< stripe segments left out
     CV_PROP_RW Mat
         stripeResiduals; //!< `(Sx2)` distances of the two ends of every segment from its prediction; NaN = not used
+    //! `(Gx6)`, a row for every group of equal orientation (RefineParams::orientationTolerance) whose stripes were used:
+    //! its first view, how many of its views and segments were used, on how many surfaces, and the standard deviations
+    //! that the light plane's normal (rad, RMS length) and offset would have without the stripes of this group, all else
+    //! and the noise levels as they are; infinite = it would not be determined. With all stripes they are
+    //! sqrt(var nx + var ny + var nz) and sqrt(var d).
+    CV_PROP_RW Mat stripeGroups;
     CV_PROP_RW std::vector<std::string> culprits; //!< what was left out or not believed, and why, one sentence each
     CV_PROP_RW Mat scenePoints;                   //!< `(Nx3)` in the base frame; NaN = not determined
 

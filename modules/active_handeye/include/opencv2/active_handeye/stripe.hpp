@@ -89,9 +89,11 @@ CV_EXPORTS_W void splitStripe(InputArray stripePoints, InputArray sigmas, InputA
 /** @brief Finds which stripe segments of different views lie on the same fixed plane of the scene.
 
 The tracked points are triangulated. Where a stripe passes near them, its rays and their inverse depths give the light
-plane (three unknowns, robustly) before any surface is known. The segments then become lines in the base frame;
-planes through two lines of different views that more views confirm are the surfaces. Good enough to label surfaces for
-#calibrateLightPlane, which then needs no tracked points.
+plane (three unknowns, robustly) before any surface is known. The segments then become lines in the base frame. Surfaces
+are planes that the stripes of three views or more agree on, inside a group of equal orientation (0.05 degrees) first,
+then across groups, and that the tracked points beside the segments do not contradict; or of two views, where these
+points confirm them. The tolerance shrinks to eight times the median misfit, not below 0.3 px. Segments that fit two
+surfaces alike, or lie far from all others of theirs, are left out. See doc/method/light_plane.md.
 
 @param[in] R_gripper2base V rotations `(3x3)` or `(3x1)`.
 @param[in] t_gripper2base V translations `(3x1)`.
