@@ -28,7 +28,7 @@ class LensModel(str, Enum):
 
 
 class Motion(str, Enum):
-    """Choices of --motion, as in `simulation.CellConfig`."""
+    """Choices of --motion: those of `simulation.CellConfig` over the workbench."""
 
     DEFAULT = "default"
     CHECK = "check"
