@@ -75,8 +75,8 @@ def measure(seeds: Sequence[int] = range(10), workers: Workers | None = None) ->
     share = 100 * float(np.mean([r.inside for r in runs]))
     median = float(np.median([r.rms for r in runs]))
     setup = (
-        f"{len(seeds)} cells, seeds {seeds[0]} to {seeds[-1]}; the joint is 170 mm long. The points of a seed share the "
-        "errors of its calibration."
+        f"{len(seeds)} cells, seeds {seeds[0]} to {seeds[-1]}; the joint is 170 mm long. The points of a seed share "
+        "the errors of its calibration."
     )
     limits = [
         Measure("weld root: median over the seeds of the RMS distance [mm]", median, RMS_MM),
