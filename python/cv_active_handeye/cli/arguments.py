@@ -45,7 +45,7 @@ Robot = Annotated[str, typer.Option(help="Simulated robot: denso_vp6242 or ur5e.
 Truth = Annotated[Path | None, typer.Option(help="File for the truth; default: DATASET-truth.yaml.")]
 MotionChoice = Annotated[
     Motion,
-    typer.Option(help="default: 14 stops to calibrate; check: 5 others for verify; scan: 40 in a line for scan and seam."),
+    typer.Option(help="default: 14 stops to calibrate; check: 5 others to verify; scan: 40 in a line to scan."),
 ]
 BumpMm = Annotated[float, typer.Option(min=0, help="Push the camera out of its mounting by this many mm.")]
 BumpDeg = Annotated[float, typer.Option(min=0, help="Turn the camera in its mounting by this many degrees.")]
