@@ -40,7 +40,10 @@ void operator delete[](void* memory) noexcept
     std::free(memory);
 }
 
-#ifdef __cpp_sized_deallocation
+// C++11 does not declare these, but GTest may be compiled for a standard that calls them.
+void operator delete(void* memory, size_t) noexcept;
+void operator delete[](void* memory, size_t) noexcept;
+
 void operator delete(void* memory, size_t) noexcept
 {
     std::free(memory);
@@ -50,7 +53,6 @@ void operator delete[](void* memory, size_t) noexcept
 {
     std::free(memory);
 }
-#endif
 
 namespace opencv_test { namespace {
 
