@@ -16,24 +16,31 @@ bool Camera::hasDistortion() const
     return std::any_of(D, D + 5, [](double k) { return k != 0; });
 }
 
-Vector2d Camera::distort(const Vector2d& ideal) const
+//! Distorted coordinates and, where wanted, their derivative: together they cost little more than one of them.
+static inline Vector2d distorted(const double* D, const Vector2d& ideal, Matrix2d* J)
 {
     const double x = ideal.x(), y = ideal.y(), r2 = x * x + y * y;
     const double radial = 1 + r2 * (D[0] + r2 * (D[1] + r2 * D[4]));
+    if (J)
+    {
+        const double slope = 2 * (D[0] + r2 * (2 * D[1] + r2 * 3 * D[4])); // d radial / d(r2), times 2
+        (*J)(0, 0) = radial + slope * x * x + 2 * D[2] * y + 6 * D[3] * x;
+        (*J)(0, 1) = (*J)(1, 0) = slope * x * y + 2 * D[2] * x + 2 * D[3] * y;
+        (*J)(1, 1) = radial + slope * y * y + 6 * D[2] * y + 2 * D[3] * x;
+    }
     return Vector2d(x * radial + 2 * D[2] * x * y + D[3] * (r2 + 2 * x * x),
                     y * radial + D[2] * (r2 + 2 * y * y) + 2 * D[3] * x * y);
 }
 
+Vector2d Camera::distort(const Vector2d& ideal) const
+{
+    return distorted(D, ideal, nullptr);
+}
+
 Matrix2d Camera::distortJacobian(const Vector2d& ideal) const
 {
-    const double x = ideal.x(), y = ideal.y(), r2 = x * x + y * y;
-    const double radial = 1 + r2 * (D[0] + r2 * (D[1] + r2 * D[4]));
-    const double slope = 2 * (D[0] + r2 * (2 * D[1] + r2 * 3 * D[4])); // d radial / d(r2), times 2
     Matrix2d J;
-    J(0, 0) = radial + slope * x * x + 2 * D[2] * y + 6 * D[3] * x;
-    J(0, 1) = slope * x * y + 2 * D[2] * x + 2 * D[3] * y;
-    J(1, 0) = J(0, 1);
-    J(1, 1) = radial + slope * y * y + 6 * D[2] * y + 2 * D[3] * x;
+    distorted(D, ideal, &J);
     return J;
 }
 
@@ -44,18 +51,18 @@ Vector3d Camera::ray(const Vector2d& pixel) const
     const Vector2d target(x, y);
     if (!hasDistortion())
         return target.homogeneous();
-    Vector2d ideal = 2 * target - distort(target);
-    Matrix2d J = distortJacobian(ideal);
+    Matrix2d J;
+    Vector2d ideal = 2 * target - distort(target), reached = distorted(D, ideal, &J);
     if (J.determinant() <= 0)
-        J = distortJacobian(ideal = target);
+        reached = distorted(D, ideal = target, &J);
     const int maxIterations = 50;
     for (int i = 0; i < maxIterations && J.determinant() > 0; ++i)
     {
-        const Vector2d step = J.inverse() * (target - distort(ideal)); // Newton
+        const Vector2d step = J.inverse() * (target - reached); // Newton
         ideal += step;
         if (step.squaredNorm() <= 1e-16 * (1 + ideal.squaredNorm())) // it converges quadratically
             return ideal.homogeneous();
-        J = distortJacobian(ideal);
+        reached = distorted(D, ideal, &J);
     }
     CV_Error(
         Error::StsOutOfRange,
