@@ -143,6 +143,10 @@ class Dataset:
         self._write(self._content.model_copy(update={"views": (*self.views, view)}))
         return view
 
+    def set_planned_views(self, planned_views: int) -> None:
+        """Says how many views there will be, for `problems`: a capture may need fewer or more than it began with."""
+        self._write(self._content.model_copy(update={"planned_views": planned_views}))
+
     def image(self, index: int) -> Image | None:
         """The laser-off image of a view, None where the view has none."""
         name = self.views[index].image

@@ -30,11 +30,15 @@ class FileFormatError(ValueError):
 def write_atomic(path: Path, content: bytes) -> None:
     """Writes `content` so that after a crash or power cut `path` holds the old or the new bytes, never a mixture."""
     temporary = path.with_name(f".{path.name}{TEMPORARY_SUFFIX}")
-    with open(temporary, "wb") as stream:
-        stream.write(content)
-        stream.flush()
-        os.fsync(stream.fileno())
-    os.replace(temporary, path)
+    try:
+        with open(temporary, "wb") as stream:
+            stream.write(content)
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.replace(temporary, path)
+    except OSError:
+        temporary.unlink(missing_ok=True)
+        raise
     sync_directory(path.parent)
 
 

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from cv_active_handeye.calibration import PARAMETERS, Calibration
 from cv_active_handeye.calibration_format import ChiSquare, Lens, NoiseLevel, NoiseLevels, Rms, Tool, Verdict
+from cv_active_handeye.simulation import Truth
 
 CLOSED_FORM_PARAMETERS = ("fx", "fy", "cx", "cy", "skew", "rx", "ry", "rz", "tx", "ty", "tz", "nx", "ny", "nz", "d")
 
@@ -39,6 +40,20 @@ def refined(**changes: Any) -> Calibration:
         "chi_square": ChiSquare(value=1591.2, degrees_of_freedom=1604, p_value=0.585),
     }
     return Calibration(**(values | changes))
+
+
+def true_calibration(truth: Truth, **changes: Any) -> Calibration:
+    """The calibration of a simulated cell, without an error."""
+    values = {
+        "image_width": 640,
+        "image_height": 480,
+        "camera_matrix": truth.camera_matrix,
+        "distortion_coefficients": truth.distortion_coefficients,
+        "R_cam2gripper": truth.R_cam2gripper,
+        "t_cam2gripper": truth.t_cam2gripper,
+        "light_plane": truth.light_plane,
+    }
+    return refined(**(values | changes))
 
 
 def closed_form(**changes: Any) -> Calibration:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import cv2
 import numpy as np
@@ -138,7 +139,7 @@ def plate(
     return Rectangle(corner, rotation[:, 0], rotation[:, 1], size, texture(height, width))
 
 
-def workbench(seed: int = 1, repeated: bool = False, table: float = 0.4, **settings: float) -> PatchScene:
+def workbench(seed: int = 1, repeated: bool = False, table: float = 0.4, **settings: Any) -> PatchScene:
     """A table of `table` metres with two tilted plates and a raised one, centred on the base origin.
 
     settings: fields of `PatchScene`.
@@ -157,7 +158,7 @@ def workbench(seed: int = 1, repeated: bool = False, table: float = 0.4, **setti
         plate((0.06, -0.03, 0.03), (0.07, 0.07), (-10, 20), natural),
         plate((0.03, 0.06, 0.05), (0.08, 0.04), (0, 0), natural),
     ]
-    return PatchScene(plates, rng=rng, **settings)  # type: ignore[arg-type]
+    return PatchScene(plates, rng=rng, **settings)
 
 
 def looking_at(

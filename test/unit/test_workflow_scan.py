@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.calibrations import closed_form
+from support.calibrations import closed_form, true_calibration
+from support.exact_recording import exact_recording
 from support.recordings import Notes, exact_dataset
-from support.stripe_recording import calibration_of_truth, laser_dataset, true_plane
+from support.stripe_recording import Stop, calibration_of_truth, laser_dataset, record, true_plane
 
 from cv_active_handeye.dataset import Dataset
 from cv_active_handeye.files import FileFormatError, FloatArray
@@ -65,17 +66,7 @@ def test_simulated_cell_is_scanned_within_the_sigmas(tmp_path: Path) -> None:
     small = {"width": 160, "height": 120, "focal_px": 353.0, "texel_mm": 0.8, "laser_sigma_mm": 2.6, "seed": 2}
     cell = SimulatedCell(CellConfig.model_validate({**small, "motion": "scan"}))
     dataset = cell.record(tmp_path / "set", poses=cell.plan()[8:40:8])
-    truth = cell.truth
-    calibration = calibration_of_truth(
-        image_width=160,
-        image_height=120,
-        camera_matrix=truth.camera_matrix,
-        distortion_coefficients=truth.distortion_coefficients,
-        R_cam2gripper=truth.R_cam2gripper,
-        t_cam2gripper=truth.t_cam2gripper,
-        light_plane=truth.light_plane,
-        covariance=np.zeros((20, 20)),
-    )
+    calibration = true_calibration(cell.truth, image_width=160, image_height=120, covariance=np.zeros((20, 20)))
     cloud = scan(dataset, calibration)
     ratios = np.concatenate([true_distances(cell, cloud, i) / cloud.sigmas[cloud.views == i] for i in range(4)])
     assert len(ratios) > 300
@@ -113,6 +104,17 @@ def test_views_without_a_stripe_are_told_and_skipped(tmp_path: Path) -> None:
     assert cloud.empty_views == (1, 3)
     assert reporter.notes == [f"view {view}: skipped, no stripe was found" for view in (1, 3)]
     assert reporter.steps == ["finding the stripe in 4 images", "placing the points in the base frame"]
+
+
+def test_poses_that_never_change_are_told(tmp_path: Path) -> None:
+    truth = exact_recording()
+    stops = [Stop(truth.R_gripper2base[0], truth.t_gripper2base[0], truth.stripePoints[k]) for k in range(3)]
+    notes = Notes()
+    scan(record(tmp_path / "still", stops), calibration_of_truth(), reporter=notes)
+    assert [note for note in notes.notes if "same robot pose" in note] != []
+    notes = Notes()
+    scan(record(tmp_path / "two", stops[:2]), calibration_of_truth(), reporter=notes)
+    assert [note for note in notes.notes if "same robot pose" in note] == []
 
 
 def test_vertical_stripes_are_found_like_horizontal_ones(tmp_path: Path) -> None:

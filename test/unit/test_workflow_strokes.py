@@ -6,9 +6,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support.calibrations import refined
+from support.calibrations import true_calibration
 
-from cv_active_handeye.calibration import Calibration
 from cv_active_handeye.dataset import Dataset
 from cv_active_handeye.files import FileFormatError, FloatArray
 from cv_active_handeye.simulation import CellConfig, SimulatedCell
@@ -31,20 +30,7 @@ def tool(cell: SimulatedCell, tmp_path_factory: pytest.TempPathFactory) -> Profi
     """Three of the measuring views, and a calibration that is true."""
     stops = cell.plan()
     dataset = cell.record(tmp_path_factory.mktemp("strokes") / "set", poses=[stops[view] for view in VIEWS])
-    return profiler(dataset, calibration_of(cell), Silent())
-
-
-def calibration_of(cell: SimulatedCell) -> Calibration:
-    truth = cell.truth
-    return refined(
-        image_width=640,
-        image_height=480,
-        camera_matrix=truth.camera_matrix,
-        distortion_coefficients=truth.distortion_coefficients,
-        R_cam2gripper=truth.R_cam2gripper,
-        t_cam2gripper=truth.t_cam2gripper,
-        light_plane=truth.light_plane,
-    )
+    return profiler(dataset, true_calibration(cell.truth), Silent())
 
 
 def true_pixels(cell: SimulatedCell, number: int) -> FloatArray:
@@ -93,7 +79,7 @@ def test_view_without_a_laser_off_image_and_vertical_stripes_are_refused(cell: S
         copy = Dataset.create(bare, camera=tool.dataset.camera, laser=tool.dataset.laser)
         view = tool.dataset.views[0]
         copy.add_view(view.R_gripper2base, view.t_gripper2base, laser_image=tool.dataset.laser_image(0))
-    calibration = calibration_of(cell)
+    calibration = true_calibration(cell.truth)
     with pytest.raises(InsufficientDataError, match="view 0: needs an image with the laser off"):
         stroke_crossing(profiler(Dataset.open(bare), calibration, Silent()), profile, np.array([300.0, 240.0]))
     assert tool.dataset.laser is not None

@@ -5,6 +5,17 @@
 
 namespace opencv_test { namespace {
 
+//! Its stripes share one vanishing direction, which leaves the light plane undetermined.
+StripeScene oneSurfaceInOneGroup()
+{
+    StripeScene scene = StripeScene::standard();
+    scene.R.resize(5);
+    scene.t.resize(5);
+    scene.surfaces.resize(1);
+    scene.shine();
+    return scene;
+}
+
 void expectExact(const StripeScene& scene, const std::vector<Vec3d>& known)
 {
     Vec4d plane;
@@ -15,11 +26,7 @@ void expectExact(const StripeScene& scene, const std::vector<Vec3d>& known)
 
 TEST(ActiveHandEye_calibrateLightPlane, KnownPointsReplaceTheSecondDirection)
 {
-    StripeScene scene = StripeScene::standard();
-    scene.R.resize(5);
-    scene.t.resize(5);
-    scene.surfaces.resize(1);
-    scene.shine();
+    StripeScene scene = oneSurfaceInOneGroup();
     std::vector<Vec3d> known;
     for (double column : {60., 200., 400., 600.})
         for (double row : {100., 300.})
@@ -47,11 +54,7 @@ Vec3d pointFromTranslation(const Vec3d& first, const Vec3d& second, const Vec3d&
 
 TEST(ActiveHandEye_calibrateLightPlane, CharacteristicPointsOfTwoTranslatedViewsReplaceTheSecondDirection)
 {
-    StripeScene scene = StripeScene::standard();
-    scene.R.resize(5);
-    scene.t.resize(5);
-    scene.surfaces.resize(1);
-    scene.shine();
+    StripeScene scene = oneSurfaceInOneGroup();
     const Vec3d c = scene.cam2base(0).t() * (scene.cameraPosition(2) - scene.cameraPosition(0));
     std::vector<Vec3d> known;
     for (double column : {50., 120., 200.})

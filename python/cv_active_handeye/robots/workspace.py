@@ -14,6 +14,7 @@ from .kinematics import SerialArm, UnreachableError, straight_line
 Point = tuple[float, float, float]
 
 _STEP_M, _STEP_DEG = 0.005, 1.0  # between the poses of a path that are checked
+_WITHIN = 0.99  # of a cap: where a move ends differs a little from where it was to end
 
 
 class Box(BaseModel):
@@ -85,7 +86,7 @@ class Workspace(BaseModel):
 
     def way_points(self, start: Array, end: Array) -> Array:
         """Returns flange poses (N, 4, 4) on the straight line after `start`, `end` last, in moves within the caps."""
-        return straight_line(start, end, self.max_step_mm / 1000, self.max_step_deg)[1:]
+        return straight_line(start, end, _WITHIN * self.max_step_mm / 1000, _WITHIN * self.max_step_deg)[1:]
 
 
 def check_joints(arm: SerialArm, joints: Array, T_gripper2base: Array) -> Array:

@@ -171,6 +171,8 @@ def find_profiles(tool: Profiler, views: list[int], reporter: Reporter) -> list[
     views = [view for view in views if tool.dataset.views[view].laser_image is not None]
     if not views:
         raise InsufficientDataError(f"{tool.dataset.folder}: needs views with an image taken with the laser on, has 0")
+    if len(views) > 2 and _all_at_one_place(tool.dataset, views):
+        reporter.note("all laser images have the same robot pose; was the pose recorded at every stop?")
     progress = reporter.step(f"finding the stripe in {len(views)} images")
     found: list[Profile] = []
     for done, view in enumerate(views, start=1):
@@ -179,6 +181,11 @@ def find_profiles(tool: Profiler, views: list[int], reporter: Reporter) -> list[
         found.append(profile)
         progress(done, len(views))
     return found
+
+
+def _all_at_one_place(dataset: Dataset, views: list[int]) -> bool:
+    R, t = dataset.R_gripper2base[views], dataset.t_gripper2base[views]
+    return bool((R[0] == R).all() and (t == t[0]).all())
 
 
 def _intensity(image: Image, pixels: FloatArray) -> NDArray[np.float32]:
