@@ -106,6 +106,12 @@ def step_size(start: Array, end: Array) -> tuple[float, float]:
     return float(np.linalg.norm(end[:3, 3] - start[:3, 3])), float(np.degrees(turn))
 
 
+def half_way(start: Array, end: Array) -> Array:
+    """Returns the pose (4, 4) in the middle of the straight way between two."""
+    length, angle = step_size(start, end)
+    return np.asarray(straight_line(start, end, max(length, 1e-9) / 2, max(angle, 1e-9) / 2)[1])
+
+
 def mm_text(position: Array) -> str:
     """A position (3,), m, as text in mm."""
     return "(" + ", ".join(f"{1000 * x:.0f}" for x in position) + ")"
