@@ -22,7 +22,8 @@ BOX = Workspace(box=Box(lower_mm=(-500, -500, -500), upper_mm=(500, 500, 500)))
 class ScriptedRobot:
     """`on_move`, `on_pose`: called first in move_linear and pose; they may raise, wait or change the robot."""
 
-    name, model = "scripted", None
+    name = "scripted"
+    model: str | None = None
 
     def __init__(self, live: bool = True) -> None:
         self.live = live

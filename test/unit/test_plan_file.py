@@ -70,4 +70,4 @@ def test_plan_without_hash_or_of_another_version_is_refused(tmp_path: Path) -> N
 
 def test_mirrored_pose_is_refused() -> None:
     with pytest.raises(ValueError, match="determinant is -1"):
-        PlannedPose(R_gripper2base=np.diag([1.0, 1.0, -1.0]), t_gripper2base=[0, 0, 0])
+        PlannedPose(R_gripper2base=np.diag([1.0, 1.0, -1.0]), t_gripper2base=np.zeros(3))

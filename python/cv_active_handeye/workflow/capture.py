@@ -11,7 +11,7 @@ from __future__ import annotations
 import shutil
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -52,12 +52,12 @@ class CaptureSettings(BaseModel):
 
 @dataclass(frozen=True)
 class Station:
-    """What stands there: a guarded robot, a camera, and the switch of the laser (None = no laser)."""
+    """What stands there: a guarded robot, a camera, the switch of the laser, and how its stripe lies in the image."""
 
     robot: GuardedRobot
     camera: Camera
-    laser: LaserSwitch | None
-    laser_info: LaserInfo | None = None
+    laser: LaserSwitch
+    laser_info: LaserInfo = field(default_factory=LaserInfo)
 
 
 class Capture:
@@ -110,24 +110,22 @@ class Capture:
 
     def _expose(self, with_laser: bool) -> tuple[Frame, Frame | None]:
         camera, laser = self._station.camera, self._station.laser
-        if laser is None:
-            return camera.grab(), None
-        laser.off()
+        laser.switch(False)
         frame = camera.grab()
-        if not with_laser:
+        if not (with_laser and laser.present):
             return frame, None
-        laser.on()
+        laser.switch(True)
         try:
             return frame, camera.grab()
         finally:
-            laser.off()
+            laser.switch(False)
 
     def _store(self, dataset: Dataset, pose: RobotPose, frame: Frame, laser_frame: Frame | None) -> None:
         R, t = pose.T_gripper2base[:3, :3], pose.T_gripper2base[:3, 3]
-        images = {"image": frame.image, "laser_image": None if laser_frame is None else laser_frame.image}
+        laser_image = None if laser_frame is None else laser_frame.image
         index = len(dataset)
         try:
-            dataset.add_view(R, t, timestamp=time.time(), **images)
+            dataset.add_view(R, t, image=frame.image, laser_image=laser_image, timestamp=time.time())
         except OSError as error:
             raise CaptureError(
                 f"view {index} could not be written: {error.strerror or error}; {safe_text(index)}"
@@ -166,7 +164,7 @@ def begin(folder: Path, plan: Plan, station: Station) -> Dataset:
     dataset = Dataset.create(
         folder,
         camera=station.camera.info,
-        laser=station.laser_info if station.laser is not None else None,
+        laser=station.laser_info if station.laser.present else None,
         description=station.robot.robot.name,
         planned_views=len(plan.stops),
     )

@@ -52,8 +52,7 @@ def check_again(dataset: Dataset, plan: Plan, station: Station, settings: Captur
     log("check_again", view=last)
     station.robot.move_to(target)
     settle(station.robot, target, settings.settle)
-    if station.laser is not None:
-        station.laser.off()
+    station.laser.switch(False)
     before = dataset.image(last)
     shift = None if before is None else image_shift(before, station.camera.grab().image)
     log("checked_again", view=last, shift_px=shift)
