@@ -9,7 +9,10 @@ from typing import NamedTuple
 
 from typer.testing import CliRunner
 
+from cv_active_handeye.cli import console
 from cv_active_handeye.cli.commands import app
+
+WIDTH = 200
 
 
 class Outcome(NamedTuple):
@@ -20,5 +23,6 @@ class Outcome(NamedTuple):
 
 def run(*arguments: str | Path) -> Outcome:
     """Exit status, what was printed (standard output and error), and an exception that got through."""
-    result = CliRunner(env={"COLUMNS": "200"}).invoke(app, [str(argument) for argument in arguments])
+    console.out.width = console.err.width = WIDTH
+    result = CliRunner(env={"COLUMNS": str(WIDTH)}).invoke(app, [str(argument) for argument in arguments])
     return Outcome(result.exit_code, result.output, result.exception)

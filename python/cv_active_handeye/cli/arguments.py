@@ -12,7 +12,8 @@ import typer
 
 STATUS_HELP = (
     "[bold]Exit status:[/] 0 usable result, 1 internal error, 2 wrong usage, 3 the data cannot answer, "
-    "4 a file that cannot be used, 5 result beyond its limits (demo), not usable (calibrate) or not valid (verify)."
+    "4 a file that cannot be used, 5 result beyond its limits (demo), not usable (calibrate) or not valid (verify), "
+    "6 robot, camera or laser stopped or refused, 130 interrupted."
 )
 
 

@@ -15,8 +15,12 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn
 
 import cv_active_handeye as cah
 
+from ..cameras.base import CameraError
+from ..cameras.laser_switch import LaserError
 from ..files import FileFormatError
 from ..report.words import command_line_words
+from ..robots.base import RobotError
+from ..workflow.capture import CaptureError
 from ..workflow.reporter import InsufficientDataError
 from ..workflow.reporter import Progress as ProgressCall
 
@@ -36,6 +40,8 @@ class Exit(IntEnum):
     INSUFFICIENT_DATA = 3
     BAD_FILE = 4
     BEYOND_LIMITS = 5
+    STOPPED = 6
+    INTERRUPTED = 130
 
 
 class TerminalReporter:
@@ -76,6 +82,9 @@ def told_errors(debug: bool, reporter: TerminalReporter | None = None) -> Iterat
         yield
     except (typer.Exit, typer.BadParameter, typer.Abort):
         raise
+    except KeyboardInterrupt as error:
+        err.print("[bold red]interrupted[/] from the keyboard")
+        raise typer.Exit(int(Exit.INTERRUPTED)) from error
     except Exception as error:
         if debug:
             raise
@@ -98,6 +107,8 @@ def status_of(error: Exception) -> Exit:
         return Exit.INSUFFICIENT_DATA if getattr(error, "code", 0) == NO_CONVERGENCE else Exit.BAD_FILE
     if isinstance(error, FileFormatError):
         return Exit.BAD_FILE
+    if isinstance(error, (RobotError, CameraError, LaserError, CaptureError)):
+        return Exit.STOPPED
     if isinstance(error, ModuleNotFoundError):
         return Exit.USAGE
     if isinstance(error, (FileExistsError, NotADirectoryError, PermissionError)):
