@@ -58,6 +58,8 @@ def merged(content: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
     out = dict(content)
     for key, value in said.items():
         old = out.get(key)
-        same = isinstance(old, dict) and isinstance(value, dict) and value.get("type", old.get("type")) == old.get("type")
-        out[key] = merged(old, value) if same and isinstance(old, dict) else value
+        if isinstance(old, dict) and isinstance(value, dict) and value.get("type") in (None, old.get("type")):
+            out[key] = merged(old, value)
+        else:
+            out[key] = value
     return out

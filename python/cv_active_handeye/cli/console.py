@@ -62,6 +62,12 @@ class TerminalReporter:
 
         return progress
 
+    def ask(self, text: str) -> None:
+        """Shows a sentence and waits for Enter, with the bars out of the way."""
+        self._progress.stop()
+        typer.prompt(text, default="", show_default=False, err=True)
+        self._progress.start()
+
     def note(self, text: str) -> None:
         """Prints a sentence above the bars."""
         self._progress.console.print(f"[yellow]note:[/] {escape(text)}")

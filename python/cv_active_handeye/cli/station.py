@@ -59,11 +59,6 @@ def confirm(what: str) -> None:
         raise MoveRefusedError(f'nothing was moved: the answer was {answer.strip()!r}, needed "{CONFIRMATION}"')
 
 
-def ask_person(text: str) -> None:
-    """Waits for Enter; for a laser that is switched by hand."""
-    typer.prompt(text, default="", show_default=False, err=True)
-
-
 @contextmanager
 def ended_by_signals() -> Iterator[None]:
     """A termination by the system stops the robot like Ctrl-C."""
