@@ -100,6 +100,10 @@ class SimulatedCell:
         motion.check_motion(self.arm, poses)
         return poses
 
+    def start(self) -> Array:
+        """Return the commanded pose (4, 4) of the motion's first stop."""
+        return np.asarray(self._T_bench2base @ self._cameras()[0] @ np.linalg.inv(self._T_mount2gripper))
+
     def _cameras(self) -> list[Array]:
         if self.config.motion == "experiment":
             return marks.measuring_poses(self.laser, self.marks)
