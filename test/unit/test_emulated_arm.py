@@ -185,9 +185,9 @@ def test_steady_comes_after_settling_later_with_the_fault_and_after_rendering_wh
     assert arm.steady()
     arm.hold(True)
     assert not arm.steady()
-    arm.rendered(0)
+    arm.rendered(0, 0)
     assert not arm.steady()
-    arm.rendered(1)
+    arm.rendered(1, 0)
     assert arm.steady()
 
 

@@ -89,11 +89,26 @@ def test_fault_clear_and_quit_reach_the_emulator(emulator: Emulator) -> None:
     assert emulator.ended.wait(5)
 
 
+def test_hold_begins_anew_when_an_output_is_switched(emulator: Emulator) -> None:
+    with emulator.link() as link:
+        link.hold(True)
+        link.rendered(0, 0)
+        emulator.arm.set_output(3, True)
+        emulator.arm.set_output(3, True)  # no change, nothing to render
+        seen = link.state()
+        assert not seen.steady
+        assert (seen.switchings, seen.outputs[3]) == (1, True)
+        link.rendered(0, 0)  # what was under way before the switching
+        assert not link.state().steady
+        link.rendered(0, 1)
+        assert link.state().steady
+
+
 def test_hold_lasts_until_rendered_and_ends_with_its_connection(emulator: Emulator) -> None:
     with emulator.link() as link:
         link.hold(True)
         assert not link.state().steady
-        link.rendered(0)
+        link.rendered(0, 0)
         assert link.state().steady
     with emulator.link() as link:
         link.hold(True)

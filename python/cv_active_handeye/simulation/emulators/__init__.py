@@ -5,9 +5,10 @@
 from .arm import EmulatedArm, EmulatorStop
 from .control import ControlPort
 from .faults import FAULTS, FaultPlan, Faults
-from .link import ArmState, EmulatorLink, EmulatorLinkError
+from .link import EmulatorLink, EmulatorLinkError
 from .log import EventLog, moves_after_stop, read_events
 from .server import ProtocolViolation, Server
+from .state import ArmState
 
 __all__ = [
     "FAULTS",

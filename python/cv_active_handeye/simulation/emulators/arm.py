@@ -21,6 +21,7 @@ from ..robot_errors import RobotErrors
 from .faults import Faults
 from .log import EventLog
 from .profile import Profile
+from .state import ArmState
 
 OUTPUTS = 8
 _KEY = 5  # of the random stream of the arm's errors, beside those of the cell
@@ -109,7 +110,8 @@ class EmulatedArm:
         self._busy = threading.Lock()
         self._motion: _Motion | None = None
         self._motions = 0
-        self._held, self._rendered = False, -1
+        self._switchings = 0
+        self._held, self._rendered = False, (-1, 0)
         self._noise = np.random.default_rng([cell.seed, _KEY, 3])
         joints = self.arm.inverse(SimulatedCell(cell).start()) if start is None else np.asarray(start, dtype=np.float64)
         self._stand = self._standing(joints, 0)
@@ -161,7 +163,7 @@ class EmulatedArm:
     def steady(self) -> bool:
         """Whether the arm has come to rest and a camera feed that holds it has rendered this stop."""
         with self._lock:
-            if self._motion is not None or (self._held and self._rendered < self._stand.index):
+            if self._motion is not None or (self._held and self._rendered != (self._stand.index, self._switchings)):
                 return False
             return self.now - self._stand.since >= (self.faults.value("slow_settling") or _SETTLED)
 
@@ -170,10 +172,26 @@ class EmulatedArm:
         with self._lock:
             self._held = on
 
-    def rendered(self, stop: int) -> None:
-        """The camera feed shows what the camera sees at this stop."""
+    def rendered(self, stop: int, switchings: int) -> None:
+        """The camera feed shows what the camera sees at this stop after so many changes of the outputs (a laser's)."""
         with self._lock:
-            self._rendered = max(self._rendered, stop)
+            self._rendered = (stop, switchings)
+
+    def state(self) -> ArmState:
+        """Everything about one moment."""
+        with self._lock:
+            return ArmState(
+                T_true=self.true_pose(),
+                T_reported=self.reported_pose(),
+                joints=self.joints,
+                moving=self.moving,
+                steady=self.steady(),
+                stop_index=self.stop_index,
+                outputs=dict(self.outputs),
+                switchings=self._switchings,
+                speedup=self.speedup,
+                stop_condition=self.stop_condition,
+            )
 
     def reachable(self, T_flange: Array) -> bool:
         """Whether the arm can take a pose (4, 4)."""
@@ -214,6 +232,7 @@ class EmulatedArm:
         with self._lock:
             if self.outputs[pin] != on:
                 self.outputs[pin] = on
+                self._switchings += 1
                 self.log.add("output", pin=pin, on=on)
 
     def halt(self, reason: str) -> None:

@@ -4,8 +4,8 @@
 
 TCP, one JSON object a line each way. Requests: {"cmd": "cell"}, {"cmd": "state"}, {"cmd": "fault", "name": ...,
 "value": ...} or {"cmd": "fault", "plan": "NAME[=VALUE][@...]"}, {"cmd": "clear"}, {"cmd": "hold", "on": true},
-{"cmd": "rendered", "stop": 3}, {"cmd": "quit"}. Answers: {"ok": true, ...} or {"ok": false, "error": "..."}. A hold
-ends with the connection that asked for it.
+{"cmd": "rendered", "stop": 3, "switchings": 1}, {"cmd": "quit"}. Answers: {"ok": true, ...} or {"ok": false, "error":
+"..."}. A hold ends with the connection that asked for it.
 """
 
 from __future__ import annotations
@@ -54,11 +54,11 @@ class ControlPort:
     def _answer(self, request: dict[str, Any]) -> Answer:
         commands: dict[str, Callable[[dict[str, Any]], Answer]] = {
             "cell": lambda _: {"cell": self._arm.cell.model_dump(mode="json")},
-            "state": lambda _: self._state(),
+            "state": lambda _: self._arm.state().to_json(),
             "fault": self._fault,
             "clear": lambda _: self._done(self._arm.clear),
             "hold": lambda r: self._done(self._arm.hold, _typed(r, "on", bool)),
-            "rendered": lambda r: self._done(self._arm.rendered, _typed(r, "stop", int)),
+            "rendered": lambda r: self._done(self._arm.rendered, _typed(r, "stop", int), _typed(r, "switchings", int)),
             "quit": lambda _: {},
         }
         name = request.get("cmd")
@@ -68,20 +68,6 @@ class ControlPort:
             return {"ok": True, **commands[name](request)}
         except (ValueError, TypeError) as error:
             return {"ok": False, "error": str(error)}
-
-    def _state(self) -> Answer:
-        arm = self._arm
-        return {
-            "T_true": arm.true_pose().tolist(),
-            "T_reported": arm.reported_pose().tolist(),
-            "joints": arm.joints.tolist(),
-            "moving": arm.moving,
-            "steady": arm.steady(),
-            "stop_index": arm.stop_index,
-            "outputs": {str(pin): on for pin, on in arm.outputs.items()},
-            "speedup": arm.speedup,
-            "stop_condition": arm.stop_condition,
-        }
 
     def _fault(self, request: dict[str, Any]) -> Answer:
         if "plan" in request:

@@ -7,34 +7,16 @@ from __future__ import annotations
 import json
 import socket
 import threading
-from dataclasses import dataclass
 from types import TracebackType
 from typing import Any
 
-import numpy as np
-
-from ...robots.base import Array
 from ..config import CellConfig
 from .control import DEFAULT_PORT
+from .state import ArmState
 
 
 class EmulatorLinkError(RuntimeError):
     """The emulator does not answer, or refuses a request; the text says which."""
-
-
-@dataclass(frozen=True)
-class ArmState:
-    """An emulated arm at a moment. T_true, T_reported: flange (4, 4), m; joints: (6,), rad; see `EmulatedArm`."""
-
-    T_true: Array
-    T_reported: Array
-    joints: Array
-    moving: bool
-    steady: bool
-    stop_index: int
-    outputs: dict[int, bool]
-    speedup: float
-    stop_condition: str | None
 
 
 class EmulatorLink:
@@ -56,18 +38,7 @@ class EmulatorLink:
 
     def state(self) -> ArmState:
         """Where the arm is now."""
-        answer = self._ask("state")
-        return ArmState(
-            T_true=np.array(answer["T_true"]),
-            T_reported=np.array(answer["T_reported"]),
-            joints=np.array(answer["joints"]),
-            moving=answer["moving"],
-            steady=answer["steady"],
-            stop_index=answer["stop_index"],
-            outputs={int(pin): on for pin, on in answer["outputs"].items()},
-            speedup=answer["speedup"],
-            stop_condition=answer["stop_condition"],
-        )
+        return ArmState.from_json(self._ask("state"))
 
     def fault(self, name: str, value: float | None = None) -> None:
         """Lets a fault set in now; None = its default value, 0 ends it."""
@@ -85,9 +56,9 @@ class EmulatorLink:
         """Lets the arm count as steady only after `rendered`; ends with this connection."""
         self._ask("hold", on=on)
 
-    def rendered(self, stop: int) -> None:
-        """Tells that the camera feed shows this stop."""
-        self._ask("rendered", stop=stop)
+    def rendered(self, stop: int, switchings: int) -> None:
+        """Tells that the camera feed shows this stop after so many changes of the outputs."""
+        self._ask("rendered", stop=stop, switchings=switchings)
 
     def quit(self) -> None:
         """Ends the emulator."""
