@@ -139,7 +139,7 @@ class _PylonFeatures:
         self._nodes = nodes
 
     def has(self, name: str) -> bool:
-        return self._nodes.GetNode(name) is not None
+        return bool(self._nodes.GetNode(name).IsValid())
 
     def get(self, name: str) -> FeatureValue:
         value: FeatureValue = self._nodes.GetNode(name).GetValue()
@@ -150,9 +150,6 @@ class _PylonFeatures:
 
     def choices(self, name: str) -> Sequence[str]:
         return tuple(self._nodes.GetNode(name).GetSymbolics())
-
-    def execute(self, name: str) -> None:
-        self._nodes.GetNode(name).Execute()
 
 
 def _opened(pylon: Any, config: BaslerCameraConfig, name: str) -> Any:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import importlib
 import threading
 import time
+import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from types import TracebackType
@@ -123,7 +124,9 @@ def checked_frame(image: NDArray[Any], camera_time: float | None, requested: flo
 def vendor_module(module: str, extra: str) -> Any:
     """Imports a vendor's library; CameraError names the extra that brings it."""
     try:
-        return importlib.import_module(module)
+        with warnings.catch_warnings():  # SWIG's modules warn when they load, and crash where a warning is an error
+            warnings.simplefilter("ignore", DeprecationWarning)
+            return importlib.import_module(module)
     except ImportError as error:
         raise CameraError(
             f"{module}: cannot be imported ({error}); pip install 'cv_active_handeye[{extra}]'"

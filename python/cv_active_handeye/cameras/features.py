@@ -36,10 +36,6 @@ class Features(Protocol):
         """The values of an enumeration that can be chosen now."""
         ...
 
-    def execute(self, name: str) -> None:
-        """Runs a command."""
-        ...
-
 
 class GenicamConfig(DeviceConfig):
     """Settings that all GenICam cameras understand; None leaves the camera as it is.

@@ -94,8 +94,7 @@ class GenicamCamera(OpenCamera):
                 raise BadFrameError("an incomplete frame arrived")
             component = buffer.payload.components[0]
             image = decode(component.data, component.width, component.height, component.data_format)
-            nanoseconds = buffer.timestamp_ns
-            return checked_frame(image, nanoseconds / 1e9 if nanoseconds else None, requested)
+            return checked_frame(image, _camera_time(buffer), requested)
         finally:
             buffer.queue()
 
@@ -125,6 +124,14 @@ class _HarvesterFeatures:
         getattr(self._nodes, name).execute()
 
 
+def _camera_time(buffer: Any) -> float | None:
+    """Seconds; a camera without clock says 0, or its producer raises what it likes."""
+    try:
+        return buffer.timestamp_ns / 1e9 or None
+    except Exception:
+        return None
+
+
 def _producers(config: GenicamCameraConfig, name: str) -> list[Path]:
     if config.producers:
         missing = [str(file) for file in config.producers if not file.is_file()]
@@ -142,7 +149,7 @@ def _opened(harvesters: Any, files: list[Path], device: str | None, name: str) -
     harvester = harvesters.Harvester()
     try:
         for file in files:
-            harvester.add_file(str(file))
+            harvester.add_file(str(file), check_validity=True)
         harvester.update()
         found = harvester.device_info_list
         fitting = [i for i, one in enumerate(found) if device in (None, one.id_, one.serial_number, one.model)]
