@@ -139,7 +139,7 @@ def test_missing_frames_end_after_the_stated_time(tmp_path: Path) -> None:
 
 
 def test_frame_of_another_size_is_refused(tmp_path: Path) -> None:
-    show(tmp_path, np.ascontiguousarray(picture(3)[: HEIGHT // 2]))
+    show(tmp_path, picture(3)[: HEIGHT // 2].astype(np.uint8))
     with (
         basler.connect(basler_config(tmp_path)) as camera,
         pytest.raises(CameraError, match=r"gave a frame of 64 x 24 mono8 instead of 64 x 48 mono8"),

@@ -125,7 +125,12 @@ def test_software_trigger_comes_after_the_start_of_the_acquisition(
     with genicam.connect(config(producer)) as camera:
         assert isinstance(camera, genicam.GenicamCamera)
         start = camera._acquirer.start
-        monkeypatch.setattr(camera._acquirer, "start", lambda: (calls.append("start"), start()))
+
+        def recorded() -> None:
+            calls.append("start")
+            start()
+
+        monkeypatch.setattr(camera._acquirer, "start", recorded)
         monkeypatch.setattr(camera._features, "execute", calls.append)
         monkeypatch.setattr(camera, "_config", config(producer, trigger="software"))
         camera.grab()
