@@ -19,6 +19,7 @@ from cv_active_handeye.simulation.emulators import ControlPort, EmulatedArm, Eve
 
 pytestmark = pytest.mark.timeout(60)
 CELL = CellConfig(robot="ur5e", seed=4, width=64, height=48, focal_px=141.0, texel_mm=1.0)
+SCENE = SimulatedCell(CELL)  # built when it is first looked at, once for all tests
 
 
 @pytest.fixture
@@ -42,15 +43,14 @@ def step(arm: EmulatedArm, metres: float = 0.02) -> None:
 
 
 def expected(arm: EmulatedArm, count: int, laser: bool) -> Image:
-    """What an independent rendering of the present stop gives."""
-    cell = SimulatedCell(CELL)
-    off, on = cell.light(arm.true_pose(), arm.stop_index)
+    """What a rendering of the present stop gives."""
+    off, on = SCENE.light(arm.true_pose(), arm.stop_index)
     assert on is not None
-    return cell.expose(on if laser else off, arm.stop_index, count)
+    return SCENE.expose(on if laser else off, arm.stop_index, count)
 
 
 def test_frames_show_the_true_pose_with_noise_of_their_own(arm: EmulatedArm) -> None:
-    with SimulatedCamera(CELL, arm.state) as camera:
+    with SimulatedCamera(SCENE, arm.state) as camera:
         assert isinstance(camera, Camera)
         assert (camera.info.width, camera.info.height, camera.info.pixel_format) == (64, 48, "mono8")
         for count in range(2):
@@ -64,7 +64,7 @@ def test_frames_show_the_true_pose_with_noise_of_their_own(arm: EmulatedArm) -> 
 
 
 def test_laser_by_an_output_of_the_robot(arm: EmulatedArm) -> None:
-    with SimulatedCamera(CELL, arm.state, laser_pin=2) as camera:
+    with SimulatedCamera(SCENE, arm.state, laser_pin=2) as camera:
         arm.set_output(2, True)
         np.testing.assert_array_equal(camera.grab().image, expected(arm, 0, True))
         arm.set_output(2, False)
@@ -74,7 +74,7 @@ def test_laser_by_an_output_of_the_robot(arm: EmulatedArm) -> None:
 
 
 def test_moving_arm_is_seen_where_it_is(arm: EmulatedArm) -> None:
-    with SimulatedCamera(CELL.model_copy(update={"laser": False}), arm.state) as camera:
+    with SimulatedCamera(SCENE, arm.state) as camera:
         still = camera.grab().image
         mover = threading.Thread(target=step, args=(arm, 0.10))
         mover.start()
@@ -90,7 +90,7 @@ def test_moving_arm_is_seen_where_it_is(arm: EmulatedArm) -> None:
 
 
 def test_fault_that_moves_the_true_pose_is_seen_without_a_new_stop(arm: EmulatedArm) -> None:
-    with SimulatedCamera(CELL, arm.state) as camera:
+    with SimulatedCamera(SCENE, arm.state) as camera:
         camera.grab()
         arm.faults.set("pose_bias", 5.0)
         np.testing.assert_array_equal(camera.grab().image, expected(arm, 1, False))
@@ -114,6 +114,6 @@ def test_emulator_that_is_not_there_or_goes_away_is_told(arm: EmulatedArm) -> No
 
 
 def test_16_bit_cell_gives_16_bit_frames(arm: EmulatedArm) -> None:
-    with SimulatedCamera(CELL.model_copy(update={"bit_depth": 16}), arm.state) as camera:
+    with SimulatedCamera(SimulatedCell(CELL.model_copy(update={"bit_depth": 16})), arm.state) as camera:
         assert camera.info.pixel_format == "mono16"
         assert camera.grab().image.max() > 255

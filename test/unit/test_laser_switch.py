@@ -30,7 +30,7 @@ class Station:
         self.switched: list[tuple[str, bool]] = []
         self.info = CameraInfo(width=64, height=48, name="camera 7")
         self.name = "robot 5"
-        self._moving_polls, self._broken = moving_polls, broken
+        self._moving_polls, self.broken = moving_polls, broken
 
     def set_line(self, on: bool) -> None:
         self._switch("line", on)
@@ -46,7 +46,7 @@ class Station:
         return self._moving_polls < 0
 
     def _switch(self, name: str, on: bool) -> None:
-        if ("on" if on else "off") in self._broken:
+        if ("on" if on else "off") in self.broken:
             raise OSError("no contact.")
         self.switched.append((name, on))
 
@@ -83,15 +83,20 @@ def test_switch_is_off_on_entering_switches_only_changes_and_leaves_off(
 @pytest.mark.parametrize("leaving", [RuntimeError, KeyboardInterrupt, SystemExit])
 def test_laser_is_off_after_every_way_of_leaving(leaving: type[BaseException]) -> None:
     station = Station()
-    with pytest.raises(leaving), station.switch(CameraLineConfig(settle_s=0)) as laser:
-        laser.switch(True)
-        raise leaving
+
+    def capture() -> None:
+        with station.switch(CameraLineConfig(settle_s=0)) as laser:
+            laser.switch(True)
+            raise leaving
+
+    with pytest.raises(leaving):
+        capture()
     assert station.switched[-1] == ("line", False)
 
 
 def test_interrupt_while_it_switches_off_does_not_leave_it_on() -> None:
     """The person presses Ctrl-C again while the first one is being dealt with."""
-    states = []
+    states: list[bool] = []
     interrupts = [KeyboardInterrupt()]
 
     def action(on: bool) -> None:
@@ -105,7 +110,7 @@ def test_interrupt_while_it_switches_off_does_not_leave_it_on() -> None:
 
 
 def test_interrupt_between_switching_and_knowing_it_is_switched_off_too() -> None:
-    states = []
+    states: list[bool] = []
 
     def action(on: bool) -> None:
         states.append(on)
@@ -138,11 +143,16 @@ def test_failure_is_told_with_what_it_means_for_the_eyes() -> None:
 
 
 def test_failure_to_switch_off_is_told_beside_the_error_that_led_there() -> None:
-    laser = SettlingSwitch(lambda on: None, 0.0, "line")
-    with pytest.raises(LaserError, match="could not be switched off") as told, laser:
-        laser.switch(True)
-        laser._action = Station(broken=("off",)).set_line
-        raise ValueError("the first error")
+    station = Station()
+
+    def capture() -> None:
+        with station.switch(CameraLineConfig(settle_s=0)) as laser:
+            laser.switch(True)
+            station.broken = ("off",)
+            raise ValueError("the first error")
+
+    with pytest.raises(LaserError, match="could not be switched off") as told:
+        capture()
     assert any("the first error" in str(link) for link in chain(told.value))
 
 

@@ -16,7 +16,7 @@ from .base import Camera, CameraError, Frame
 from .common import DeviceConfig, OpenCamera, checked_frame
 
 if TYPE_CHECKING:
-    from ..simulation import CellConfig, SimulatedCell
+    from ..simulation import SimulatedCell
     from ..simulation.cell import StopLight
     from ..simulation.emulators import ArmState
 
@@ -36,12 +36,13 @@ class SimulatedCameraConfig(DeviceConfig):
 def connect(config: SimulatedCameraConfig) -> Camera:
     """Connects to the emulator's control port; CameraError where there is none. Building the scene takes seconds."""
     try:
+        from ..simulation import SimulatedCell
         from ..simulation.emulators import EmulatorLink, EmulatorLinkError
     except ImportError as error:
         raise CameraError(f"simulated camera: {error}; pip install 'cv_active_handeye[sim]'") from error
     try:
         link = EmulatorLink(config.host, config.port, config.timeout_s)
-        return SimulatedCamera(link.cell(), link.state, laser_pin=config.laser_pin, release=link.close)
+        return SimulatedCamera(SimulatedCell(link.cell()), link.state, laser_pin=config.laser_pin, release=link.close)
     except EmulatorLinkError as error:
         raise CameraError(f"simulated camera: {error}") from error
 
@@ -51,7 +52,7 @@ class SimulatedCamera(OpenCamera):
 
     def __init__(
         self,
-        cell: CellConfig,
+        cell: SimulatedCell,
         state: Callable[[], ArmState],
         *,
         laser_pin: int | None = None,
@@ -61,10 +62,8 @@ class SimulatedCamera(OpenCamera):
 
         Builds the scene, which takes some seconds, so that no exposure has to.
         """
-        from ..simulation import SimulatedCell
-
-        self._eye = StopEye(SimulatedCell(cell))
-        super().__init__(self._eye.cell.camera_info, retries=0)
+        self._eye = StopEye(cell)
+        super().__init__(cell.camera_info, retries=0)
         self._state, self._laser_pin, self._release = state, laser_pin, release
         self._line = False
         self._lock = threading.Lock()
