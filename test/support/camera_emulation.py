@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from cv_active_handeye.cameras.basler import BaslerCameraConfig
 from cv_active_handeye.dataset import Image
+from cv_active_handeye.simulation.emulators.camera_feed import pylon_features
 
 os.environ["PYLON_CAMEMU"] = "2"  # read when pylon first looks for cameras
 
@@ -39,8 +40,7 @@ def show(folder: Path, image: Image) -> None:
 
 def basler_config(folder: Path, **settings: object) -> BaslerCameraConfig:
     """pylon's emulator, showing the image of `folder`."""
-    features = {"ImageFilename": str(folder), "ImageFileMode": "On", "TestImageSelector": "Off"}
-    given = {"width": WIDTH, "height": HEIGHT, "features": features, "timeout_s": 1.0, **settings}
+    given = {"width": WIDTH, "height": HEIGHT, "features": pylon_features(folder), "timeout_s": 1.0, **settings}
     return BaslerCameraConfig.model_validate(given)
 
 

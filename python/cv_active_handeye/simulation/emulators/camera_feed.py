@@ -17,12 +17,18 @@ from pathlib import Path
 import cv2
 
 from ...cameras.simulated import StopEye
+from ...dataset_format import CameraInfo
 from ..cell import SimulatedCell
 from .link import EmulatorLink, EmulatorLinkError
 from .state import ArmState
 
 FILE_NAME = "frame.png"
 _POLL = 0.01  # s
+
+
+def pylon_features(folder: Path) -> dict[str, str]:
+    """What pylon's camera emulator must be set to (`features` of a Basler camera's settings)."""
+    return {"ImageFilename": str(folder), "ImageFileMode": "On", "TestImageSelector": "Off"}
 
 
 class CameraFeed:
@@ -38,9 +44,18 @@ class CameraFeed:
         self._eye = StopEye(SimulatedCell(link.cell()))
         self._shown: tuple[int, int, bytes] | None = None
 
+    @property
+    def info(self) -> CameraInfo:
+        """Size and pixel format of the images."""
+        return self._eye.cell.camera_info
+
+    def begin(self) -> None:
+        """Holds the arm and shows the present stop, or nothing yet where the arm moves."""
+        self._link.hold(True)
+        self.follow()
+
     def run(self, end: threading.Event) -> None:
         """Follows until `end`; EmulatorLinkError when the emulator is gone. Lets go of the arm in every case."""
-        self._link.hold(True)
         try:
             while not end.is_set():
                 if not self.follow():
