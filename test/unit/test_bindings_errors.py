@@ -115,5 +115,9 @@ def test_errors_survive_pickling() -> None:
     copy = pickle.loads(pickle.dumps(error))
     assert type(copy) is cah.error
     assert (str(copy), copy.code, copy.err, copy.func, copy.line) == (
-        str(error), error.code, error.err, error.func, error.line,
+        str(error),
+        error.code,
+        error.err,
+        error.func,
+        error.line,
     )

@@ -174,9 +174,7 @@ def test_vertical_stripe_is_measured_at_the_row(tmp_path: Path) -> None:
         (0, (5, 240), r"within 10 px of \(5, 240\) in view 0; the nearest point of the stripe is \(\d+\.\d, \d+\.\d\)"),
     ],
 )
-def test_row_without_a_stripe_is_named(
-    recording: Dataset, view: int, pixel: tuple[float, float], message: str
-) -> None:
+def test_row_without_a_stripe_is_named(recording: Dataset, view: int, pixel: tuple[float, float], message: str) -> None:
     with pytest.raises(FileFormatError, match=message):
         measure(recording, calibration_of_truth(), [row("S", view, pixel)])
 

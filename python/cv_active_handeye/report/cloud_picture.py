@@ -20,9 +20,7 @@ INCHES = (10.0, 3.2, 11.0)
 """Width of the picture, least and largest height."""
 
 
-def picture_cloud(
-    file: str | Path, points: FloatArray, sigmas: FloatArray, path: FloatArray | None = None
-) -> None:
+def picture_cloud(file: str | Path, points: FloatArray, sigmas: FloatArray, path: FloatArray | None = None) -> None:
     """Points (N, 3) in metres of the base frame, coloured by height and by their sigmas (N,) in metres.
 
     Both panels show the two base axes in which the cloud is widest; infinite sigmas have the colour of the largest.

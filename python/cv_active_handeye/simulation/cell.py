@@ -32,6 +32,8 @@ from .scene import Scene
 from .truth import TrueView, Truth
 
 Image = NDArray[np.uint8] | NDArray[np.uint16]
+StopLight = tuple[NDArray[np.float32], NDArray[np.float32] | None]
+"""Noise-free light on the sensor (H, W), laser off and on (None in a cell without laser)."""
 
 _HARDWARE, _SCENE, _ROBOT, _SENSOR, _BUMP = range(5)  # keys of the independent random streams
 _FIRST_STOP = {"default": 0, "check": 1000, "scan": 2000, "experiment": 3000}  # every visit has noise of its own
@@ -100,6 +102,10 @@ class SimulatedCell:
         motion.check_motion(self.arm, poses)
         return poses
 
+    def start(self) -> Array:
+        """Return the commanded pose (4, 4) of the motion's first stop."""
+        return np.asarray(self._T_bench2base @ self._cameras()[0] @ np.linalg.inv(self._T_mount2gripper))
+
     def _cameras(self) -> list[Array]:
         if self.config.motion == "experiment":
             return marks.measuring_poses(self.laser, self.marks)
@@ -119,6 +125,24 @@ class SimulatedCell:
         self._captured += 1
         return SimulatedView(reported, image, laser_image, true, stop)
 
+    def light(self, T_gripper2base: Array, stop: int) -> StopLight:
+        """Return what falls on the sensor with the flange at a true pose (4, 4); `stop` draws the stripe's grain."""
+        rng = np.random.default_rng([self.config.seed, _SENSOR, stop, 0])
+        return self._renderer.irradiance(self._T_cam2bench(T_gripper2base), rng)
+
+    def expose(self, light: NDArray[np.float32], stop: int, count: int) -> Image:
+        """Return the image of such light (H, W); the noise is that of exposure number `count` at this stop."""
+        rng = np.random.default_rng([self.config.seed, _SENSOR, stop, 1 + count])
+        return self._renderer.expose(light, rng)
+
+    @property
+    def camera_info(self) -> CameraInfo:
+        """Size and pixel format of the images."""
+        c = self.config
+        return CameraInfo(
+            width=c.width, height=c.height, pixel_format="mono8" if c.bit_depth == 8 else "mono16", name="simulated"
+        )
+
     def record(
         self,
         folder: str | Path,
@@ -129,12 +153,9 @@ class SimulatedCell:
         stops = self.plan() if poses is None else [np.asarray(pose, dtype=np.float64) for pose in poses]
         motion.check_motion(self.arm, stops)
         c = self.config
-        camera = CameraInfo(
-            width=c.width, height=c.height, pixel_format="mono8" if c.bit_depth == 8 else "mono16", name="simulated"
-        )
         dataset = Dataset.create(
             folder,
-            camera=camera,
+            camera=self.camera_info,
             laser=LaserInfo(name="simulated") if c.laser else None,
             description=f"simulated cell, {self.arm.name}",
             planned_views=len(stops),

@@ -33,9 +33,12 @@ class Renderer:
     def take(self, T_cam2scene: Array, rng: np.random.Generator) -> tuple[Image, Image | None]:
         """Return the images with the laser off and on (None without laser) from a camera pose (4, 4)."""
         off, on = self.irradiance(T_cam2scene, rng)
-        expose = self._config.exposure
-        image = self._sensor.expose(off, expose, rng)
-        return image, None if on is None else self._sensor.expose(on, expose, rng)
+        image = self.expose(off, rng)
+        return image, None if on is None else self.expose(on, rng)
+
+    def expose(self, light: NDArray[np.float32], rng: np.random.Generator) -> Image:
+        """Return the image of light on the sensor (H, W)."""
+        return self._sensor.expose(light, self._config.exposure, rng)
 
     def irradiance(
         self, T_cam2scene: Array, rng: np.random.Generator
