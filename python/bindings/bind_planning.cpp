@@ -89,6 +89,7 @@ Attributes:
     viewsPerGroup: views that are enough; negative (default) = 4 whose translations span space, with REFINE_FIX_K 3
         that span a plane.
     exchanges: rounds in which every view may be exchanged for a better one; default 3.
+    seenShare: share of the scene points, 0 to 1, that a view has to see to be chosen; default 0.25.
 )doc";
 
 using Array = py::array_t<double>;
@@ -144,7 +145,8 @@ void bindPlanning(py::module_& m)
         .def(py::init<>())
         .def_readwrite("groups", &PlanParams::groups)
         .def_readwrite("viewsPerGroup", &PlanParams::viewsPerGroup)
-        .def_readwrite("exchanges", &PlanParams::exchanges);
+        .def_readwrite("exchanges", &PlanParams::exchanges)
+        .def_readwrite("seenShare", &PlanParams::seenShare);
     m.def("predictHandEyeCovariance", predict, py::arg("R_gripper2base"), py::arg("t_gripper2base"),
           py::arg("scenePoints"), py::arg("imageSize"), py::arg("cameraMatrix"), py::arg("distCoeffs"),
           py::arg("R_cam2gripper"), py::arg("t_cam2gripper"), py::kw_only(), py::arg("lightPlane") = py::none(),

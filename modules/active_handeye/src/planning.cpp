@@ -13,7 +13,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 
-PlanParams::PlanParams() : groups(-1), viewsPerGroup(-1), exchanges(3) {}
+PlanParams::PlanParams() : groups(-1), viewsPerGroup(-1), exchanges(3), seenShare(0.25) {}
 
 namespace {
 
@@ -153,7 +153,31 @@ GroupDemand demandOf(const PlanParams& planParams, int flags)
     if (planParams.exchanges < 0)
         CV_Error(Error::StsOutOfRange,
                  cv::format("planParams.exchanges: needed 0 or more, given %d", planParams.exchanges));
+    if (!(planParams.seenShare >= 0 && planParams.seenShare <= 1))
+        CV_Error(Error::StsOutOfRange,
+                 cv::format("planParams.seenShare: needed a share from 0 to 1, given %g", planParams.seenShare));
     return demand;
+}
+
+//! Which views see their share of the points.
+std::vector<bool> viewsInSight(const std::vector<Pixels>& imagePoints, double seenShare)
+{
+    std::vector<bool> result;
+    int most = 0;
+    const int needed = int(std::ceil(seenShare * double(imagePoints[0].size())));
+    for (const Pixels& pixels : imagePoints)
+    {
+        int seen = 0;
+        for (const Eigen::Vector2d& pixel : pixels)
+            seen += !std::isnan(pixel.x());
+        most = std::max(most, seen);
+        result.push_back(seen >= needed);
+    }
+    if (most < needed)
+        CV_Error(Error::StsNoConv, cv::format("scenePoints: needed views that see %d of the %d points "
+                                              "(planParams.seenShare), the best of them sees %d",
+                                              needed, int(imagePoints[0].size()), most));
+    return result;
 }
 
 double medianDepth(const AlignedVector<Pose>& gripper2base, const AssumedScene& scene)
@@ -226,8 +250,9 @@ double planHandEyeViews(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_
     const ViewInformation information(all.refinement->problem(), scene, pointsOfSearch);
     const double distance = medianDepth(poses, scene);
     const double radius = 0.5 * std::hypot(imageSize.width, imageSize.height) / scene.calibration.camera.K(0, 0);
-    ViewChoice choice(poses, information, demandOf(planParams, read.flags), information.prior(distance, radius), before,
-                      read.orientationTolerance);
+    const GroupDemand demand = demandOf(planParams, read.flags);
+    ViewChoice choice(poses, information, demand, information.prior(distance, radius), before,
+                      viewsInSight(all.measurements.imagePoints, planParams.seenShare), read.orientationTolerance);
     choice.choose(stops, planParams.exchanges);
     chosen = choice.inGroups();
 

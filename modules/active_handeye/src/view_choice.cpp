@@ -28,13 +28,22 @@ bool GroupDemand::spread(const MotionGroup& group, const std::vector<int>& views
 
 ViewChoice::ViewChoice(const AlignedVector<Pose>& gripper2base, const ViewInformation& information,
                        const GroupDemand& demand, const MatrixXd& prior, const std::vector<int>& taken,
-                       double orientationTolerance)
+                       const std::vector<bool>& isPossible, double orientationTolerance)
     : poses_(gripper2base), views_(information), demand_(demand),
-      groups_(groupByOrientation(gripper2base, orientationTolerance)), sum_(prior), isUsed_(gripper2base.size()),
-      taken_(taken.size())
+      groups_(groupByOrientation(gripper2base, orientationTolerance)), sum_(prior), isPossible_(isPossible),
+      isUsed_(gripper2base.size()), taken_(taken.size())
 {
     for (int view : taken)
         add(view);
+}
+
+std::vector<int> ViewChoice::possibleViews() const
+{
+    std::vector<int> views;
+    for (int view = 0; view < int(poses_.size()); ++view)
+        if (isPossible_[view] && !isUsed_[view])
+            views.push_back(view);
+    return views;
 }
 
 void ViewChoice::add(int view)
@@ -104,7 +113,7 @@ std::vector<int> ViewChoice::completion(int group, double& variance) const
         {
             std::vector<int> with = members;
             with.push_back(view);
-            if (!trial.isUsed_[view] && demand_.spread(groups_[group], with, poses_))
+            if (isPossible_[view] && !trial.isUsed_[view] && demand_.spread(groups_[group], with, poses_))
                 possible.push_back(view);
         }
         const int view = trial.best(possible, variance);
@@ -131,9 +140,10 @@ void ViewChoice::addGroups(int stops)
         }
         if (best.empty())
             CV_Error(Error::StsNoConv,
-                     cv::format("R_gripper2base, t_gripper2base: needed %d orientations with %d views each whose "
-                                "translations span %d dimensions, the possible views hold %d",
-                                demand_.groups, demand_.viewsPerGroup, demand_.dimensions, satisfiedGroups()));
+                     cv::format(
+                         "R_gripper2base, t_gripper2base: needed %d orientations with %d views each whose "
+                         "translations span %d dimensions, the possible views, which see enough of the scene, hold %d",
+                         demand_.groups, demand_.viewsPerGroup, demand_.dimensions, satisfiedGroups()));
         if (chosen_.size() + best.size() > size_t(stops))
             CV_Error(Error::StsOutOfRange,
                      cv::format("stops: needed %d or more for %d groups of %d views (planParams), given %d",
@@ -162,8 +172,8 @@ bool ViewChoice::exchange(size_t place)
     const double before = views_.variance(information);
     sum_ -= views_.of(old);
     std::vector<int> possible;
-    for (int view = 0; view < int(poses_.size()); ++view)
-        if (!isUsed_[view] && keepsGroups(place, view))
+    for (int view : possibleViews())
+        if (keepsGroups(place, view))
             possible.push_back(view);
     double variance = infinity;
     const int better = best(possible, variance);
@@ -181,10 +191,11 @@ void ViewChoice::choose(int stops, int exchanges)
     addGroups(stops);
     while (int(chosen_.size()) < stops)
     {
-        std::vector<int> possible;
-        for (int view = 0; view < int(poses_.size()); ++view)
-            if (!isUsed_[view])
-                possible.push_back(view);
+        const std::vector<int> possible = possibleViews();
+        if (possible.empty())
+            CV_Error(Error::StsNoConv, cv::format("stops: needed %d, but only %d views see enough of the scene "
+                                                  "(planParams.seenShare)",
+                                                  stops, int(chosen_.size())));
         double variance;
         add(best(possible, variance));
     }

@@ -55,8 +55,10 @@ struct GroupDemand
 class ViewChoice
 {
 public:
+    //! isPossible: which views may be chosen.
     ViewChoice(const AlignedVector<Pose>& gripper2base, const ViewInformation& information, const GroupDemand& demand,
-               const Eigen::MatrixXd& prior, const std::vector<int>& taken, double orientationTolerance);
+               const Eigen::MatrixXd& prior, const std::vector<int>& taken, const std::vector<bool>& isPossible,
+               double orientationTolerance);
 
     //! Throws StsNoConv when the demand cannot be met with so many views.
     void choose(int stops, int exchanges);
@@ -68,6 +70,7 @@ private:
     bool isSatisfied(int group) const;
     int satisfiedGroups() const;
     std::vector<int> membersOf(int group) const;
+    std::vector<int> possibleViews() const;
     std::vector<int> completion(int group, double& variance) const;
     void addGroups(int stops);
     int best(const std::vector<int>& from, double& variance) const;
@@ -82,6 +85,7 @@ private:
     const std::vector<MotionGroup> groups_;
     Eigen::MatrixXd sum_;
     std::vector<int> chosen_;
+    const std::vector<bool> isPossible_;
     std::vector<bool> isUsed_;
     size_t taken_;
 };

@@ -25,6 +25,7 @@ try:
     from . import application
     from . import commands as commands
     from . import laser as laser
+    from . import planning as planning
 except ModuleNotFoundError as error:
     if error.name not in EXTRA:
         raise

@@ -17,11 +17,8 @@ import cv_active_handeye as cah
 
 from ..files import FileFormatError
 from ..report.words import command_line_words
-from ..workflow.reporter import InsufficientDataError
+from ..workflow.reporter import NO_CONVERGENCE, InsufficientDataError
 from ..workflow.reporter import Progress as ProgressCall
-
-NO_CONVERGENCE = -7
-"""`cv::Error::StsNoConv`: the C++ functions use it for data that cannot answer."""
 
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)

@@ -57,7 +57,8 @@ struct CV_EXPORTS_W_SIMPLE PlanParams
     CV_PROP_RW int groups;
     //! Views that are enough; negative (default) = 4 whose translations span space, with REFINE_FIX_K 3 that span a plane.
     CV_PROP_RW int viewsPerGroup;
-    CV_PROP_RW int exchanges; //!< rounds in which every view may be exchanged for a better one; default 3
+    CV_PROP_RW int exchanges;    //!< rounds in which every view may be exchanged for a better one; default 3
+    CV_PROP_RW double seenShare; //!< of the scene points, that a view has to see to be chosen, 0 to 1; default 0.25
 };
 
 /** @brief Chooses, from possible views, those with which #refineHandEye would know t_cam2gripper best.
