@@ -19,6 +19,7 @@ void bindRefine(pybind11::module_& m);
 void bindVerify(pybind11::module_& m);
 void bindProfile(pybind11::module_& m);
 void bindMeasure(pybind11::module_& m);
+void bindPlanning(pybind11::module_& m);
 
 } // namespace active_handeye_python
 

@@ -20,4 +20,5 @@ PYBIND11_MODULE(_core, m)
     bindVerify(m);
     bindProfile(m);
     bindMeasure(m);
+    bindPlanning(m);
 }

@@ -17,6 +17,7 @@ __all__: list[str] = [
     "LENS_K1_K2",
     "LENS_K3",
     "LENS_TANGENTIAL",
+    "PlanParams",
     "REFINE_ALLOW_PARTIAL",
     "REFINE_FIX_ASPECT",
     "REFINE_FIX_K",
@@ -48,6 +49,8 @@ __all__: list[str] = [
     "groupViews",
     "locateOnStripe",
     "measureStripePoints",
+    "planHandEyeViews",
+    "predictHandEyeCovariance",
     "refineHandEye",
     "reprojectStripe",
     "splitStripe",
@@ -374,6 +377,36 @@ class VerifySummary:
     def valid(self) -> bool: ...
     @property
     def viewErrors(self) -> numpy.typing.NDArray[numpy.float64]: ...
+
+class PlanParams:
+    """
+    Settings of planHandEyeViews.
+
+    Attributes:
+        groups: orientations at which there have to be enough views for the closed forms; negative (default) = 2, with
+            REFINE_FIX_K 1.
+        viewsPerGroup: views that are enough; negative (default) = 4 whose translations span space, with REFINE_FIX_K 3
+            that span a plane.
+        exchanges: rounds in which every view may be exchanged for a better one; default 3.
+        seenShare: share of the scene points, 0 to 1, that a view has to see to be chosen; default 0.25.
+    """
+    def __init__(self) -> None: ...
+    @property
+    def exchanges(self) -> int: ...
+    @exchanges.setter
+    def exchanges(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def groups(self) -> int: ...
+    @groups.setter
+    def groups(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+    @property
+    def seenShare(self) -> float: ...
+    @seenShare.setter
+    def seenShare(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def viewsPerGroup(self) -> int: ...
+    @viewsPerGroup.setter
+    def viewsPerGroup(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None: ...
 
 def associateStripes(
     R_gripper2base: numpy.typing.ArrayLike,
@@ -774,6 +807,104 @@ def measureStripePoints(
         error: wrong input; pixels that miss the light plane (they are named).
 
     Source: doc/method/measure.md.
+    """
+
+def planHandEyeViews(
+    R_gripper2base: numpy.typing.ArrayLike,
+    t_gripper2base: numpy.typing.ArrayLike,
+    scenePoints: numpy.typing.ArrayLike,
+    imageSize: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex],
+    cameraMatrix: numpy.typing.ArrayLike,
+    distCoeffs: numpy.typing.ArrayLike | None,
+    R_cam2gripper: numpy.typing.ArrayLike,
+    t_cam2gripper: numpy.typing.ArrayLike,
+    stops: typing.SupportsInt | typing.SupportsIndex,
+    *,
+    taken: numpy.typing.ArrayLike | None = None,
+    params: RefineParams = ...,
+    planParams: PlanParams = ...,
+) -> tuple[float, list[int]]:
+    """
+    Chooses, from possible views, those with which refineHandEye would know t_cam2gripper best.
+
+    Greedy choice, then exchange, by the sum of the variances of t_cam2gripper; doc/method/planning.md says what the search
+    approximates. The value returned is that of predictHandEyeCovariance.
+
+    Args:
+        R_gripper2base: V rotations, (3, 3) or rotation vectors: views taken already and possible ones.
+        t_gripper2base: V translations of 3 numbers, any unit of length.
+        scenePoints: (N, 3), assumed scene points, base frame.
+        imageSize: width and height, pixels.
+        cameraMatrix: (3, 3), assumed.
+        distCoeffs: k1, k2, p1, p2[, k3], assumed; None = zero.
+        R_cam2gripper: assumed, (3, 3) or rotation vector.
+        t_cam2gripper: assumed, 3 numbers.
+        stops: how many views there are to be, those taken included.
+        taken: numbers of the views that were taken already; None = none.
+        params: noise levels, flags and lens model as for predictHandEyeCovariance.
+        planParams: what the choice has to have.
+
+    Returns:
+        retval: standard deviation of t_cam2gripper with all of them.
+        chosen: the new views by their numbers, in groups of equal orientation: those with most views first, and in every
+            group the one that tells most first.
+
+    Raises:
+        error: wrong input (StsBadArg, StsBadSize, StsOutOfRange); StsNoConv when the possible views do not hold groups of
+            translations, or turns about two axes.
+
+    Source: doc/method/planning.md.
+    """
+
+def predictHandEyeCovariance(
+    R_gripper2base: numpy.typing.ArrayLike,
+    t_gripper2base: numpy.typing.ArrayLike,
+    scenePoints: numpy.typing.ArrayLike,
+    imageSize: tuple[typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex],
+    cameraMatrix: numpy.typing.ArrayLike,
+    distCoeffs: numpy.typing.ArrayLike | None,
+    R_cam2gripper: numpy.typing.ArrayLike,
+    t_cam2gripper: numpy.typing.ArrayLike,
+    *,
+    lightPlane: numpy.typing.ArrayLike | None = None,
+    surfaces: numpy.typing.ArrayLike | None = None,
+    params: RefineParams = ...,
+) -> tuple[float, numpy.typing.NDArray[numpy.float64], list[str], numpy.typing.NDArray[numpy.int32]]:
+    """
+    Predicts the covariance that refineHandEye would reach with images that have not been taken yet.
+
+    The problem of the refinement is built at the assumed truth, linearised there, and inverted; nothing is simulated. A
+    scene point is seen where it projects into the image from in front of the camera; points that only one view sees do not
+    count.
+
+    Args:
+        R_gripper2base: V planned rotations of the gripper in the robot's base frame, (3, 3) or rotation vectors.
+        t_gripper2base: V planned translations of 3 numbers, any unit of length.
+        scenePoints: (N, 3), assumed scene points, base frame.
+        imageSize: width and height, pixels.
+        cameraMatrix: (3, 3), assumed.
+        distCoeffs: k1, k2, p1, p2[, k3], assumed; None = zero.
+        R_cam2gripper: assumed, (3, 3) or rotation vector.
+        t_cam2gripper: assumed, 3 numbers.
+        lightPlane: nx, ny, nz, d, n.X = d in the camera frame, assumed; None = no stripes.
+        surfaces: (S, 4), planes wx, wy, wz, e of the scene, w.X = e in the base frame; w points to the side from which it
+            is seen. A scene point nearer to a plane than 1 % of its distance from the camera is not seen from behind it.
+            With lightPlane every view sees the stripe on every plane, as far as the image reaches; those on planes that
+            one view alone sees do not count.
+        params: noise levels, all of which are needed (stripeSigma only with lightPlane); flags and lensModel as for
+            refineHandEye. LENS_AUTO is the smallest model that has the coefficients of distCoeffs.
+
+    Returns:
+        retval: standard deviation of t_cam2gripper: root of the sum of the three variances.
+        covariance: (20, 20), order of RefineSummary.parameterNames; rows of fixed parameters are 0, variances of
+            undetermined ones infinite.
+        weakDirections: what the planned views would determine badly, by name, and what motion would cure it.
+        seenPoints: (V, 1), the points that each view shares with another.
+
+    Raises:
+        error: wrong input (StsBadArg, StsBadSize, StsOutOfRange); StsNoConv when no point is seen twice.
+
+    Source: doc/method/planning.md.
     """
 
 def refineHandEye(

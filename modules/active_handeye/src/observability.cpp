@@ -10,9 +10,6 @@ namespace cv { namespace active_handeye {
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-namespace {
-
-//! Size of each column that would mean that nothing is known about it.
 CalibrationStep naturalUnits(const HandEyeCalibration& calibration, double workingDistance, double imageRadius)
 {
     const double f = calibration.camera.K(0, 0), r2 = imageRadius * imageRadius;
@@ -22,6 +19,20 @@ CalibrationStep naturalUnits(const HandEyeCalibration& calibration, double worki
         std::max(calibration.light.d, 1e-9 * workingDistance);
     return units;
 }
+
+Eigen::VectorXd unitsOf(const MatrixXd& basis, const CalibrationStep& units)
+{
+    Eigen::VectorXd scale(basis.cols());
+    for (int i = 0; i < basis.cols(); ++i)
+    {
+        int largest;
+        basis.col(i).cwiseAbs().maxCoeff(&largest);
+        scale(i) = units(largest);
+    }
+    return scale;
+}
+
+namespace {
 
 std::string vectorText(const Vector3d& v)
 {
@@ -79,14 +90,7 @@ std::vector<WeakDirection> findWeakDirections(const MatrixXd& information, const
                                               double imageRadius, const TurnDirections& turns, double limit)
 {
     const CalibrationStep units = naturalUnits(calibration, workingDistance, imageRadius);
-    // Columns of the basis have one unit each, apart from those of equal units.
-    Eigen::VectorXd scale(basis.cols());
-    for (int i = 0; i < basis.cols(); ++i)
-    {
-        int largest;
-        basis.col(i).cwiseAbs().maxCoeff(&largest);
-        scale(i) = units(largest);
-    }
+    const Eigen::VectorXd scale = unitsOf(basis, units);
     const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scale.asDiagonal() * information * scale.asDiagonal());
     std::vector<WeakDirection> weak;
     for (int i = 0; i < basis.cols(); ++i)

@@ -19,6 +19,12 @@ struct WeakDirection
     std::string text;
 };
 
+//! Size of each column that would mean that nothing is known about it.
+CalibrationStep naturalUnits(const HandEyeCalibration& calibration, double workingDistance, double imageRadius);
+
+//! Units of the columns of a basis, which have one each, apart from those of equal units.
+Eigen::VectorXd unitsOf(const Eigen::MatrixXd& basis, const CalibrationStep& units);
+
 /** Directions with a standard deviation above `limit`, the worst first.
 
 information: of the free directions (columns of `basis`), everything else eliminated. imageRadius: largest distance of an image point from

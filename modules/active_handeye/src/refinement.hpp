@@ -29,6 +29,9 @@ enum
     LENS_MODELS = LENS_K3 + 1
 };
 
+//! Derivative (20 x CALIBRATION_COLUMNS) of the parameters of RefineSummary by a step of the calibration.
+Eigen::MatrixXd parametersByStep(const HandEyeCalibration& calibration);
+
 //! How many of k1, k2, p1, p2, k3 a lens model estimates.
 int lensCoefficients(int lensModel);
 
@@ -56,6 +59,16 @@ public:
     void requireAnswer();
 
     void summarize(RefineSummary& summary) const;
+
+    //! Instead of all steps above: takes the start, these points (one for each column of imagePoints) and these stripes
+    //! for true. The noise levels are those given, and lensModel is not LENS_AUTO.
+    void assume(const AlignedVector<Eigen::Vector3d>& points, const AlignedVector<Eigen::Vector4d>& surfaces,
+                const StripeSegments& segments);
+
+    //! Covariance and weak directions at what is assumed.
+    void predict(RefineSummary& summary);
+
+    const RefineProblem& problem() const { return problem_; }
 
     const HandEyeCalibration& calibration() const { return problem_.state.calibration; }
     double rms() const;

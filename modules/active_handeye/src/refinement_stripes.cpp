@@ -32,7 +32,7 @@ void HandEyeRefinement::addSegments()
         const int surface = indexOfId.insert(std::make_pair(id, int(indexOfId.size()))).first->second;
         StripeSegment segment = {i, measurements_.stripeViews[i], surface, {}, 1, true};
         for (int end = 0; end < 2; ++end)
-            segment.ends[end] = camera.project(camera.K.inverse() * line.end(end).homogeneous());
+            segment.ends[end] = recordedEnd(line, camera, end);
         sigmas.push_back(measurements_.stripeSigmas.empty() ? line.sigma : measurements_.stripeSigmas[i]);
         segments_.push_back(segment);
     }

@@ -17,15 +17,14 @@ using Eigen::VectorXd;
 static const double NaN = std::numeric_limits<double>::quiet_NaN();
 static const double infinity = std::numeric_limits<double>::infinity();
 
-//! 20 x free: derivative of the parameters of RefineSummary by the free directions of the calibration.
-static MatrixXd parametersByUnknowns(const RefineProblem& problem)
+MatrixXd parametersByStep(const HandEyeCalibration& calibration)
 {
     MatrixXd J(20, CALIBRATION_COLUMNS);
     J.setZero();
     J.topLeftCorner<POINT_COLUMNS, POINT_COLUMNS>().setIdentity();
-    J.block<3, 2>(POINT_COLUMNS, COLUMN_NORMAL) = tangentBasis(problem.state.calibration.light.n);
+    J.block<3, 2>(POINT_COLUMNS, COLUMN_NORMAL) = tangentBasis(calibration.light.n);
     J(POINT_COLUMNS + 3, COLUMN_OFFSET) = 1;
-    return J * problem.unknowns.calibration;
+    return J;
 }
 
 static Eigen::Matrix<double, 20, 1> parameterValues(const HandEyeCalibration& c)
@@ -56,7 +55,7 @@ void HandEyeRefinement::summarizeParameters(RefineSummary& summary) const
     const char* const names[] = {"fx", "fy", "cx", "cy", "skew", "k1", "k2", "p1", "p2", "k3",
                                  "rx", "ry", "rz", "tx", "ty",   "tz", "nx", "ny", "nz", "d"};
     summary.parameterNames.assign(names, names + 20);
-    const MatrixXd J = parametersByUnknowns(problem_);
+    const MatrixXd J = parametersByStep(calibration()) * problem_.unknowns.calibration;
     MatrixXd covariance = J * components_->covariance().topLeftCorner(J.cols(), J.cols()) * J.transpose();
     VectorXd dof(20), deviation(20);
     MatrixXd intervals(20, 2);

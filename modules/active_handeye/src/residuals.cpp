@@ -81,6 +81,13 @@ bool PointResidual::linearize(const Camera& camera, const CameraView& view, cons
     return true;
 }
 
+Eigen::Matrix<double, 2, 6> PointResidual::byPose(const CameraView& view, const Vector3d& X) const
+{
+    Eigen::Matrix<double, 3, 6> motion;
+    motion << skew(X - view.gripper.t), -Matrix3d::Identity();
+    return byPoint * motion;
+}
+
 Eigen::Matrix<double, 2, 10> rayByCamera(const Camera& camera, const Vector2d& ideal)
 {
     const Matrix3d& K = camera.K;

@@ -32,6 +32,9 @@ struct PointResidual
     //! Error and all derivatives.
     bool linearize(const Camera& camera, const CameraView& view, const Eigen::Vector3d& X,
                    const Eigen::Vector2d& pixel);
+
+    //! Derivative by the robot's pose.
+    Eigen::Matrix<double, 2, 6> byPose(const CameraView& view, const Eigen::Vector3d& X) const;
 };
 
 //! Derivative of the viewing ray (x, y) of a fixed pixel by fx, fy, cx, cy, skew, k1, k2, p1, p2, k3.

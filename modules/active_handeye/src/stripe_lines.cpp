@@ -30,6 +30,11 @@ StripeLine fitStripeLine(const Pixels& idealPixels)
     return line;
 }
 
+Eigen::Vector2d recordedEnd(const StripeLine& line, const Camera& camera, int i)
+{
+    return camera.project(camera.K.inverse() * line.end(i).homogeneous());
+}
+
 StripeLine readStripeLine(const Pixels& pixels, const Camera& camera, int index)
 {
     if (pixels.size() < 2)

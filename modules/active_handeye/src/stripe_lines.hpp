@@ -33,6 +33,9 @@ struct StripeLine
     }
 };
 
+//! Pixel of the recorded image where one of the two points is.
+Eigen::Vector2d recordedEnd(const StripeLine& line, const Camera& camera, int i);
+
 //! Total least squares over ideal pixels.
 StripeLine fitStripeLine(const Pixels& idealPixels);
 

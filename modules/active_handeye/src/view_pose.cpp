@@ -41,9 +41,7 @@ public:
                 continue;
             const double weight = point.observation->inverseSigma * point.observation->inverseSigma;
             const double share = squaredScale_ / (squaredScale_ + weight * residual.error.squaredNorm());
-            Eigen::Matrix<double, 3, 6> motion;
-            motion << skew(point.X - pose.t), -Eigen::Matrix3d::Identity();
-            const Eigen::Matrix<double, 2, 6> J = std::sqrt(weight) * share * residual.byPoint * motion;
+            const Eigen::Matrix<double, 2, 6> J = std::sqrt(weight) * share * residual.byPose(view, point.X);
             information += J.transpose().lazyProduct(J);
             pull += J.transpose() * (std::sqrt(weight) * share * residual.error);
         }

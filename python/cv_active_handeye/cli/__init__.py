@@ -27,6 +27,7 @@ try:
     from . import emulate as emulate
     from . import emulate_camera as emulate_camera
     from . import laser as laser
+    from . import planning as planning
 except ModuleNotFoundError as error:
     if error.name not in EXTRA:
         raise

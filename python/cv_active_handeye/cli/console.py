@@ -21,11 +21,8 @@ from ..files import FileFormatError
 from ..report.words import command_line_words
 from ..robots.base import RobotError
 from ..workflow.capture import CaptureError
-from ..workflow.reporter import InsufficientDataError
+from ..workflow.reporter import NO_CONVERGENCE, InsufficientDataError
 from ..workflow.reporter import Progress as ProgressCall
-
-NO_CONVERGENCE = -7
-"""`cv::Error::StsNoConv`: the C++ functions use it for data that cannot answer."""
 
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)

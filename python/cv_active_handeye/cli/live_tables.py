@@ -9,12 +9,12 @@ from rich.table import Table
 from ..plan_file import Plan
 from ..robots.base import Speed
 from ..workflow.dry_run import PlannedMove
-from .tables import new_table
+from .tables import plain_table
 
 
 def moves_table(plan: Plan, moves: list[PlannedMove]) -> Table:
     """A row for every stop: its orientation group, where it is, and how far the way to it is."""
-    found = new_table("planned moves", "stop", "group", "x y z [mm]", "way [mm]", "turn [deg]", "laser")
+    found = plain_table("planned moves", "stop", "group", "x y z [mm]", "way [mm]", "turn [deg]", "laser")
     for move in moves:
         stop = plan.stops[move.stop]
         place = " ".join(f"{1000 * x:.1f}" for x in stop.t_gripper2base)

@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 ROTATION_NOTE = "Intervals of R_cam2gripper: error angles about the gripper's axes."
 
 
-def new_table(title: str, *columns: str) -> Table:
-    """An empty table; the first column is for names, the others for numbers."""
+def plain_table(title: str, *columns: str) -> Table:
+    """An empty table in the style of all others, the first column to the left."""
     table = Table(title=escape(title), title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False, collapse_padding=True)
     for number, column in enumerate(columns):
         table.add_column(escape(column), justify="left" if number == 0 else "right", no_wrap=True)
@@ -43,7 +43,7 @@ def new_table(title: str, *columns: str) -> Table:
 def calibration_table(calibration: Calibration, title: str = "calibration") -> Table:
     """Every estimated quantity with its 95 % interval."""
     unusable = calibration.verdict is not None and not calibration.verdict.usable
-    table = new_table(f"{title}: NOT USABLE" if unusable else title, "quantity", "estimate", "95 % interval", "unit")
+    table = plain_table(f"{title}: NOT USABLE" if unusable else title, "quantity", "estimate", "95 % interval", "unit")
     for row in parameter_rows(calibration):
         table.add_row(row.label, f"{row.value:.{row.digits}f}", row.interval, row.unit)
     return table
@@ -51,8 +51,9 @@ def calibration_table(calibration: Calibration, title: str = "calibration") -> T
 
 def stripe_groups_table(summary: cah.RefineSummary) -> Table:
     """What the stripes of each group of equal orientation contribute to the light plane."""
-    columns = ("without", "segments", "surfaces", "deg", "mm")
-    table = new_table("light plane: sigmas without the stripes of a group", *columns)
+    table = plain_table(
+        "light plane: sigmas without the stripes of a group", "without", "segments", "surfaces", "deg", "mm"
+    )
     for row in stripe_groups(summary):
         table.add_row(*row)
     return table
@@ -61,7 +62,7 @@ def stripe_groups_table(summary: cah.RefineSummary) -> Table:
 def demo_table(result: DemoResult) -> Table:
     """Estimate, truth, error and interval of every quantity; `inside`: whether the interval holds the truth."""
     columns = ("quantity", "estimate", "truth", "error", "± 95 %", "inside", "unit")
-    table = new_table("estimate against truth", *columns)
+    table = plain_table("estimate against truth", *columns)
     turn, inside = rotation_vector_deg(result.truth.R_cam2gripper), result.inside()
     relative = true_parameters(result.calibration, result.truth)
     for row in parameter_rows(result.calibration):
@@ -82,7 +83,7 @@ def inside_text(result: DemoResult) -> str:
 
 def limits_table(result: DemoResult) -> Table:
     """The errors as sizes, beside the limits that decide the exit status."""
-    table = new_table("errors", "error", "size", "limit", "unit")
+    table = plain_table("errors", "error", "size", "limit", "unit")
     units = {"percent": "%", "px": "px", "deg": "deg", "mm": "mm"}
     for name, limit in vars(result.limits).items():
         label, _, unit = name.rpartition("_")
@@ -96,7 +97,7 @@ def limits_table(result: DemoResult) -> Table:
 def verification_table(result: Verification) -> Table:
     """Every view predicted from the others: its error, and what image, robot and calibration noise let expect."""
     columns = ("view", "error [px]", "expected", "error [mm]", "expected", "agrees")
-    table = new_table("new views predicted from each other (RMS)", *columns)
+    table = plain_table("new views predicted from each other (RMS)", *columns)
     for row in result.views:
         numbers = (row.error_px, row.expected_px, row.error_mm, row.expected_mm)
         predicted = math.isfinite(row.error_px)
@@ -108,7 +109,7 @@ def verification_table(result: Verification) -> Table:
 
 def measured_table(points: list[MeasuredPoint]) -> Table:
     """Coordinates of every point with halves of their 95 % intervals, and the number of views that saw it."""
-    table = new_table("points in the base frame [mm], ± 95 %", "point", "x", "±", "y", "±", "z", "±", "views")
+    table = plain_table("points in the base frame [mm], ± 95 %", "point", "x", "±", "y", "±", "z", "±", "views")
     for point in points:
         halves = ("not observed" if math.isinf(half) else f"{1000 * half:.3f}" for half in point.half_widths)
         pairs = zip((f"{1000 * x:.3f}" for x in point.position), halves, strict=True)
@@ -118,7 +119,7 @@ def measured_table(points: list[MeasuredPoint]) -> Table:
 
 def differences_table(points: list[MeasuredPoint]) -> Table:
     """Measured minus reference, of the points that have one, and the length of this vector."""
-    table = new_table("measured minus reference [mm]", "point", "dx", "dy", "dz", "3-D")
+    table = plain_table("measured minus reference [mm]", "point", "dx", "dy", "dz", "3-D")
     for point in points:
         difference = point.difference
         if difference is not None:
@@ -129,7 +130,7 @@ def differences_table(points: list[MeasuredPoint]) -> Table:
 
 def hand_eye_table(comparison: Comparison) -> Table:
     """R_cam2gripper and t_cam2gripper of every method; those without an answer show a dash."""
-    table = new_table("hand-eye", "method", "rx ry rz [deg]", "x y z [mm]")
+    table = plain_table("hand-eye", "method", "rx ry rz [deg]", "x y z [mm]")
     for row in comparison.rows:
         if row.R_cam2gripper is None or row.t_cam2gripper is None:
             table.add_row(row.name, "-", "-")
@@ -142,7 +143,7 @@ def hand_eye_table(comparison: Comparison) -> Table:
 def scores_table(comparison: Comparison) -> Table:
     """How still the board stands in the base frame with every method that gave an answer."""
     columns = ("method", "spread [mm]", "spread [deg]", "misses [px]")
-    table = new_table("how still the board stands in the base frame (RMS)", *columns)
+    table = plain_table("how still the board stands in the base frame (RMS)", *columns)
     for row in comparison.rows:
         scores = (row.spread_mm, row.spread_deg, row.reprojection_px)
         if not row.problem:
@@ -152,7 +153,7 @@ def scores_table(comparison: Comparison) -> Table:
 
 def cameras_table(comparison: Comparison) -> Table:
     """The camera matrices behind the rows."""
-    table = new_table("camera", "source", "fx", "fy", "cx", "cy", "distortion")
+    table = plain_table("camera", "source", "fx", "fy", "cx", "cy", "distortion")
     table.columns[0].no_wrap = table.columns[-1].no_wrap = False  # rather than digits cut off on a narrow terminal
     cameras = {"OpenCV": (comparison.camera.camera_matrix, comparison.camera.distortion)}
     cameras |= {row.name: row.camera for row in comparison.rows if row.camera is not None}
@@ -164,7 +165,9 @@ def cameras_table(comparison: Comparison) -> Table:
 
 def dataset_table(dataset: Dataset) -> Table:
     """One row per view: position, orientation group, and what was recorded."""
-    table = new_table(f"{dataset.folder}", "view", "x y z [mm]", "orientation group", "image", "laser image", "surface")
+    table = plain_table(
+        f"{dataset.folder}", "view", "x y z [mm]", "orientation group", "image", "laser image", "surface"
+    )
     groups = cah.groupViews(dataset.R_gripper2base).reshape(-1).tolist() if len(dataset) else []
     for view, group in zip(dataset.views, groups, strict=True):
         position = " ".join(f"{1000 * x:.1f}" for x in view.t_gripper2base)

@@ -11,6 +11,10 @@ Progress = Callable[[int, int], None]
 """Called with (done, total)."""
 
 
+NO_CONVERGENCE = -7
+"""`cv::Error::StsNoConv`: the C++ functions use it for data that cannot answer."""
+
+
 class InsufficientDataError(RuntimeError):
     """The data set is readable but does not hold what the question needs; the text says what is missing."""
 

@@ -14,6 +14,7 @@
 #include "opencv2/active_handeye/verify.hpp"
 #include "opencv2/active_handeye/profile.hpp"
 #include "opencv2/active_handeye/measure.hpp"
+#include "opencv2/active_handeye/planning.hpp"
 
 /**
 @defgroup active_handeye Calibration of a robot's camera and laser without a calibration target
@@ -27,6 +28,7 @@ the light plane.
                                 --> calibrateHandEyeRotation        t_cam2gripper
     + laser stripes             --> detectStripe, splitStripe, associateStripes
                                 --> calibrateLightPlane             lightPlane
+    planned views               --> planHandEyeViews, predictHandEyeCovariance      where to go, and what comes of it
     everything at once          --> refineHandEye                   all parameters, noise levels, covariance, verdict
     stripes + calibration       --> reprojectStripe                 points in space
                                 --> locateOnStripe, findProfileCorners, measureStripePoints     characteristic points
@@ -46,6 +48,7 @@ Degenerate cases are refused: an answer that the data cannot support is a cv::Ex
     @defgroup active_handeye_stripe Laser stripes in images
     @defgroup active_handeye_light_plane Light plane
     @defgroup active_handeye_refine Joint refinement
+    @defgroup active_handeye_planning Planned views
     @defgroup active_handeye_profile Characteristic points of a stripe
     @defgroup active_handeye_measure Points in space from stripes
     @defgroup active_handeye_verify Is a calibration still valid?
