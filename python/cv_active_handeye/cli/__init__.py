@@ -24,6 +24,7 @@ app: Callable[[], object]
 try:
     from . import application
     from . import commands as commands
+    from . import emulate as emulate
     from . import laser as laser
 except ModuleNotFoundError as error:
     if error.name not in EXTRA:

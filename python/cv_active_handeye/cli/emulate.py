@@ -1,0 +1,169 @@
+# SPDX-FileCopyrightText: 2026 active_handeye contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The command `emulate`: a robot's controller to practise with, without the robot."""
+
+from __future__ import annotations
+
+import ipaddress
+import signal
+import threading
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .application import Settings, app, print_lines
+from .console import told_errors
+from .helping import command_of
+from .settings import cell_config
+
+if TYPE_CHECKING:
+    from ..simulation.emulators import EmulatedArm
+    from ..simulation.emulators.log import Event
+
+emulators = typer.Typer(no_args_is_help=True, rich_markup_mode="rich")
+app.add_typer(
+    emulators,
+    name="emulate",
+    help="Acts as a robot's controller on this machine, to practise without a robot. Ctrl-C ends it.",
+)
+command = command_of(emulators)
+
+Host = Annotated[str, typer.Option(help="Address to listen on: 127.0.0.1, or 127.0.0.2, ... for several emulators.")]
+Seed = Annotated[int, typer.Option(min=0, help="Seed of the simulated cell and of the arm's errors.")]
+Speedup = Annotated[
+    float, typer.Option(min=0.1, max=1000, help="How much faster than a real arm it moves and settles.")
+]
+ControlPortNumber = Annotated[
+    int, typer.Option("--control-port", min=0, max=65535, help="Port for faults and for the simulated camera; 0 = any.")
+]
+Fault = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="What goes wrong: NAME[=VALUE], at once, after SECONDS (@SECONDS), when the arm stands for the Nth time "
+        "(@stopN) or in its Nth motion (@moveN). Several times for several faults."
+    ),
+]
+LogFile = Annotated[Path | None, typer.Option(help="File for every event, one JSON object a line.")]
+ListFaults = Annotated[bool, typer.Option("--list-faults", help="List the faults with their default values.")]
+AllowNetwork = Annotated[bool, typer.Option("--allow-network", help="Listen on an address that others can reach.")]
+
+
+@command(
+    "emulate ur",
+    "emulate ur --version 5.23 --fault protective_stop@move3 --log events.jsonl",
+    "emulate ur --fault slow_settling=2 --fault drop_link@30",
+)
+def ur(
+    host: Host = "127.0.0.1",
+    robot: Annotated[str, typer.Option(help="The arm: ur5e.")] = "ur5e",
+    seed: Seed = 0,
+    version: Annotated[str, typer.Option(help="PolyScope: 3.15, 5.4, 5.11, 5.23 or 10.11 (PolyScope X).")] = "5.11",
+    speedup: Speedup = 1.0,
+    control_port: ControlPortNumber = 30020,
+    fault: Fault = None,
+    log: LogFile = None,
+    list_faults: ListFaults = False,
+    allow_network: AllowNetwork = False,
+) -> None:
+    """Acts as a UR controller: RTDE (port 30004), programs (30003) and dashboard (29999), for ur_rtde as it is.
+
+    The arm stands over the same workbench as that of simulate, with the same errors; the simulated camera sees what it
+    would see there. Faults can be given here, or set at run time on the control port, where `clear` is the person at
+    the pendant. Nothing here was compared with a real controller.
+    """
+    with told_errors(Settings.debug):
+        from ..simulation.emulators.ur import VERSIONS, UrEmulator
+
+        if list_faults:
+            print_faults()
+            return
+        check_host(host, allow_network)
+        if version not in VERSIONS:
+            raise typer.BadParameter(f"needs one of {', '.join(VERSIONS)}, given {version}", param_hint="--version")
+        arm = emulated_arm(robot, seed, speedup, log, fault or [])
+        serve(arm, lambda: UrEmulator(arm, host, version), host, control_port, f"UR controller {version}")
+
+
+def emulated_arm(robot: str, seed: int, speedup: float, log: Path | None, faults: list[str]) -> EmulatedArm:
+    """The arm of the options, whose events are printed as they happen."""
+    from ..simulation.emulators import EmulatedArm, EventLog, FaultPlan
+
+    arm = EmulatedArm(cell_config(robot=robot, seed=seed), speedup=speedup, log=EventLog(log, _print_event))
+    try:
+        for text in faults:
+            arm.faults.plan(FaultPlan.parse(text))
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="--fault") from error
+    return arm
+
+
+def check_host(host: str, allow_network: bool) -> None:
+    """Refuses an address that others can reach, unless that is wanted."""
+    try:
+        address = ipaddress.ip_address(host)
+    except ValueError as error:
+        raise typer.BadParameter(f"needs an address such as 127.0.0.1, given {host!r}", param_hint="--host") from error
+    if not address.is_loopback and not allow_network:
+        text = f"{host} can be reached by others, who would take it for a robot; --allow-network permits it"
+        raise typer.BadParameter(text, param_hint="--host")
+
+
+def print_faults() -> None:
+    """The names for --fault."""
+    from ..simulation.emulators import FAULTS
+
+    print_lines(*(f"{name}={value:g}  {text}" for name, (value, text) in FAULTS.items()))
+
+
+def serve(
+    arm: EmulatedArm,
+    open_ports: Callable[[], AbstractContextManager[object]],
+    host: str,
+    control_port: int,
+    name: str,
+) -> None:
+    """Opens a controller's ports (`open_ports()`, a context manager) and the control port, until somebody ends it."""
+    from ..simulation.emulators import ControlPort
+
+    ended = threading.Event()
+    previous = {number: signal.signal(number, lambda *_: ended.set()) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        with open_ports():
+            control = ControlPort(arm, host, control_port, ended.set)
+            print_lines(f"ready {name} on {host}, {arm.arm.name}, control {host}:{control.port}")
+            ended.wait()
+            control.close()
+    except OSError as error:
+        raise typer.BadParameter(f"{host}: {error}", param_hint="--host") from error
+    finally:
+        arm.close()
+        arm.log.close()
+        for number, handler in previous.items():
+            signal.signal(number, handler)
+    print_lines("ended")
+
+
+def _print_event(event: Event) -> None:
+    """A line for what a person at the pendant would see, or should know."""
+    kind = event["kind"]
+    texts: dict[str, Callable[[], str]] = {
+        "connect": lambda: f"{event['service']}: client {event['peer']} connected",
+        "disconnect": lambda: f"{event['service']}: client {event['peer']} left",
+        "command": lambda: f"command {event['name']} {' '.join(_short(x) for x in event['args'])}",
+        "motion_end": lambda: f"motion {event['motion']} {'arrived' if event['arrived'] else 'stopped'}",
+        "fault": lambda: f"fault {event['name']} {'ended' if not event['value'] else _short(event['value'])}",
+        "stop_condition": lambda: f"STOP: {event['reason']}",
+        "cleared": lambda: "cleared by the person at the pendant",
+        "output": lambda: f"output {event['pin']} {'on' if event['on'] else 'off'}",
+        "violation": lambda: f"VIOLATION: {event['text']}",
+    }
+    question = kind == "command" and event["name"].startswith(("is", "get"))
+    if kind in texts and not question and event.get("service") != "control":
+        print_lines(texts[kind]())
+
+
+def _short(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
