@@ -122,6 +122,8 @@ class BcapClient:
 
     def _receive(self, what: str, wait_s: float) -> list[Packet]:
         """The packets that have come within `wait_s`, none if nothing came."""
+        if self._closed:
+            raise BcapLinkError(f"{what}: the connection was closed")
         try:
             if not select.select([self._socket], [], [], max(wait_s, 0.0))[0]:
                 return []

@@ -11,6 +11,8 @@ from __future__ import annotations
 import logging
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import TracebackType
 
 import numpy as np
@@ -89,13 +91,14 @@ class DensoRobot:
 
     def pose(self) -> RobotPose:
         """See `Robot.pose`; within three times the freshness limit."""
-        return self._watch.pose()
+        with self._final():
+            return self._watch.pose()
 
     def check_reachable(self, T_gripper2base: Array) -> None:
         """Asks OutRange within 2 s: MoveRefusedError where the pose (4, 4) is out of range; RC7 cannot tell."""
         if self._config.controller == "rc7":
             return
-        with told_stops("OutRange"):
+        with self._final(), told_stops("OutRange"):
             answer = self._watch.link.execute("OutRange", [[p_from_matrix(T_gripper2base), "P"], 0, 0])
         if answer != 0:
             where = ", ".join(f"{1000 * value:.0f}" for value in T_gripper2base[:3, 3])
@@ -118,7 +121,8 @@ class DensoRobot:
 
     def is_steady(self) -> bool:
         """See `Robot.is_steady`: not BUSY, within the freshness limit."""
-        return not self._watch.busy()
+        with self._final():
+            return not self._watch.busy()
 
     def stop(self) -> None:
         """See `Robot.stop`: halts over the connection that watches, else over a new one; 7 s at the most."""
@@ -131,11 +135,13 @@ class DensoRobot:
         """Switches IO[pin], within 6 s; RobotError where it does not exist or the robot is not live."""
         if self._arm is None:
             raise RobotError(f"{self.name}: outputs are only switched when it was opened live")
-        with told_stops(f"output {pin}"):
-            try:
-                self._watch.link.write(f"IO[{pin}]", on)
-            except BcapError as error:
-                raise RobotError(f"{self.name}: output {pin} cannot be switched: {error}") from error
+        try:
+            self._watch.link.write(f"IO[{pin}]", on)
+        except BcapError as error:
+            raise RobotError(f"{self.name}: output {pin} cannot be switched: {error}") from error
+        except BcapLinkError as error:
+            with self._final():
+                raise RobotStoppedError(StopReason.LINK_LOST, f"output {pin} may be on or off: {error}") from error
 
     def close(self) -> None:
         """See `Robot.close`; within 25 s."""
@@ -158,6 +164,15 @@ class DensoRobot:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    @contextmanager
+    def _final(self) -> Iterator[None]:
+        """Whatever stops in here stops for good."""
+        try:
+            yield
+        except RobotStoppedError as error:
+            self._stopped = self._stopped or error
+            raise
 
     def _refuse_after_stop(self) -> None:
         if self._closed:

@@ -58,18 +58,18 @@ class DensoWatch:
                 raise RobotStoppedError(
                     StopReason.EMERGENCY_STOP, "release the emergency stop, clear the error at the pendant"
                 )
+            mode = self._read("@MODE")
+            if mode != AUTO_MODE:
+                raise RobotStoppedError(
+                    StopReason.PROGRAM_STOPPED,
+                    f"the controller is in {_MODES.get(mode, 'an unknown')} mode ({mode}), automatic is needed",
+                )
             code = self._read("@ERROR_CODE") & 0xFFFFFFFF
             if code:
                 text = self.link.describe(code) or "no description"
                 raise RobotStoppedError(
                     StopReason.CONTROLLER_ERROR,
                     f"{code:#010x} ({text}); find the cause and clear the error at the pendant",
-                )
-            mode = self._read("@MODE")
-            if mode != AUTO_MODE:
-                raise RobotStoppedError(
-                    StopReason.PROGRAM_STOPPED,
-                    f"the controller is in {_MODES.get(mode, 'an unknown')} mode ({mode}), automatic is needed",
                 )
             if motor_on and not self._read("@SERVO_ON"):
                 raise RobotStoppedError(StopReason.PROGRAM_STOPPED, "the motor was switched off")

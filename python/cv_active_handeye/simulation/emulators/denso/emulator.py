@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import socket
+from types import TracebackType
 from typing import Literal
 
 from ....robots.bcap import PORT
@@ -65,6 +66,14 @@ class DensoEmulator:
     def close(self) -> None:
         """Ends every connection."""
         self._server.close()
+
+    def __enter__(self) -> DensoEmulator:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
 
     def _serve(self, connection: socket.socket) -> None:
         Session(self._controller, connection).run()

@@ -23,7 +23,20 @@ class Profile:
 
 
 _RC7_MISSING = frozenset(
-    ("p2t", "t2p", "j2p", "p2j", "j2t", "t2j", "curtrn", "outrange", "highcurposex", "highcurjntex", "curtool", "curwork")
+    (
+        "p2t",
+        "t2p",
+        "j2p",
+        "p2j",
+        "j2t",
+        "t2j",
+        "curtrn",
+        "outrange",
+        "highcurposex",
+        "highcurjntex",
+        "curtool",
+        "curwork",
+    )
 )
 
 PROFILES: dict[Controller, Profile] = {

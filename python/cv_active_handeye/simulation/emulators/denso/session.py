@@ -124,7 +124,8 @@ class Session:
 
     def _call(self, code: int, given: tuple[Value, ...]) -> Value:
         if code == Function.SERVICE_START:
-            return self._start(given)
+            self._start(given)
+            return None
         if not self._started:
             raise Refusal(Result.E_UNEXPECTED, f"function {code} came before SERVICE_START")
         if code == Function.SERVICE_STOP:
@@ -223,9 +224,10 @@ class Session:
 
 
 def _integer(given: tuple[Value, ...], index: int) -> int:
-    if index >= len(given) or not isinstance(given[index], int):
+    value = given[index] if index < len(given) else None
+    if not isinstance(value, int):
         raise invalid(f"argument {index}: needs an integer")
-    return int(given[index])
+    return value
 
 
 def _text(given: tuple[Value, ...], index: int) -> str:
@@ -239,5 +241,5 @@ def _parameter(given: tuple[Value, ...]) -> Value:
     return given[2] if len(given) > 2 else None
 
 
-def _shown(given: tuple[Value, ...]) -> str:
-    return f"{given!r:.200}"
+def _shown(given: tuple[Value, ...]) -> list[str]:
+    return [f"{value!r:.120}" for value in given]
