@@ -106,9 +106,11 @@ class DensoRobot:
 
     def move_linear(self, T_gripper2base: Array, speed: Speed) -> None:
         """See `Robot.move_linear`; deadline: `StraightMove.deadline_s`, and 9 s for stopping on a dead link."""
-        with self._moves:
-            if self._arm is None:
-                raise MoveRefusedError(f"{self.name}: was not opened to be moved (live)")
+        if self._arm is None:
+            raise MoveRefusedError(f"{self.name}: was not opened to be moved (live)")
+        if not self._moves.acquire(blocking=False):
+            raise MoveRefusedError(f"{self.name}: another move is under way")
+        try:
             self._refuse_after_stop()
             try:
                 self._move(self._arm, np.asarray(T_gripper2base, np.float64), speed)
@@ -118,6 +120,8 @@ class DensoRobot:
                 stop = self._as_stop(error)
                 self._stopped = self._with_halt(self._stopped or stop)
                 raise self._stopped from error
+        finally:
+            self._moves.release()
 
     def is_steady(self) -> bool:
         """See `Robot.is_steady`: not BUSY, within the freshness limit."""
@@ -149,13 +153,13 @@ class DensoRobot:
             return
         if self._moves.locked():
             self.stop()
-        self._moves.acquire(timeout=_CLOSE_WAIT_S)
+        free = self._moves.acquire(timeout=_CLOSE_WAIT_S)
         self._closed = True
-        if self._arm is not None:
-            failed = self._arm.close(moving=self._pending is not None)
-            if failed:
-                _log.warning("%s: could not be restored, do it at the pendant: %s", self.name, ", ".join(failed))
-        self._watch.link.close()
+        try:
+            self._restore(moving=not free or self._pending is not None)
+        finally:
+            if free:
+                self._moves.release()
 
     def __enter__(self) -> DensoRobot:
         return self
@@ -164,6 +168,13 @@ class DensoRobot:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def _restore(self, moving: bool) -> None:
+        if self._arm is not None:
+            failed = self._arm.close(moving)
+            if failed:
+                _log.warning("%s: could not be restored, do it at the pendant: %s", self.name, ", ".join(failed))
+        self._watch.link.close()
 
     @contextmanager
     def _final(self) -> Iterator[None]:

@@ -56,7 +56,7 @@ def matrix_from_t(values: ArrayLike) -> Array:
     """
     pose = np.asarray(values, np.float64)
     orient, approach = pose[3:6], pose[6:9]
-    off = max(abs(orient @ orient - 1), abs(approach @ approach - 1), abs(orient @ approach))
+    off = np.abs([orient @ orient - 1, approach @ approach - 1, orient @ approach]).max()
     if not off < _UNIT:
         raise RobotError(f"T-type pose: needs unit vectors at right angles within {_UNIT:g}, got {list(pose[3:9])}")
     z = approach / np.linalg.norm(approach)
