@@ -94,11 +94,11 @@ class Session:
             self._log("violation", text="a call came while another one was being worked on")
             self._send(Packet(packet.serial, Result.E_BUSY_CONNECTION))
         else:
-            self._send(self._answered(packet))
+            self._send(self.answer(packet))
         return packet.code != Function.SERVICE_STOP
 
     def _move(self, packet: Packet) -> None:
-        answer = self._answered(packet)
+        answer = self.answer(packet)
         with self._lock:
             self._moving = None
             self._send(answer)
@@ -113,7 +113,8 @@ class Session:
             with contextlib.suppress(OSError):  # a client that is gone; `run` finds out
                 self._connection.sendall(encode_packet(packet))
 
-    def _answered(self, packet: Packet) -> Packet:
+    def answer(self, packet: Packet) -> Packet:
+        """The answer to a request, however long it takes; all that touches what a client sent."""
         try:
             value = self._call(packet.code, packet.arguments)
         except Refusal as refusal:
