@@ -6,7 +6,7 @@
 #   make lint      formatting, ruff, mypy, generated stubs
 #   make bench     the benchmarks behind the tables of the README
 #   make sanitize  C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
-#   make fuzz      detectStripe with random input under the sanitizers, FUZZ_SECONDS (60) long
+#   make fuzz      detectStripe under the sanitizers, and what reads a robot's bytes, with random input, FUZZ_SECONDS (60) each
 #   make setup     only what these have in common: system packages, virtual environment, build
 # Everything goes into .venv, build and out. A second run builds only what changed and fetches nothing.
 
@@ -90,10 +90,16 @@ sanitize: setup
 	done; for part in $$parts; do wait $$part || failed=1; done; test -z "$$failed"
 	build/asan-ubsan/bin/active_handeye_test_internal --gtest_brief=1
 
-fuzz: setup
+$(VENV)/.fuzz: pyproject.toml | setup
+	@$(BIN)/python scripts/requirements.py fuzz >$@.txt
+	@$(BIN)/python -m pip install --quiet --requirement $@.txt
+	@touch $@
+
+fuzz: setup $(VENV)/.fuzz
 	@cmake --preset asan-ubsan -DACTIVE_HANDEYE_BUILD_FUZZERS=ON >/dev/null
 	@cmake --build build/asan-ubsan --target active_handeye_fuzz_detect_stripe
 	cd build/asan-ubsan && bin/active_handeye_fuzz_detect_stripe -max_total_time=$(FUZZ_SECONDS)
+	for target in fuzz/fuzz_*.py; do $(BIN)/python $$target -max_total_time=$(FUZZ_SECONDS) -verbosity=0 || exit 1; done
 
 clean:
 	rm -rf build out .mypy_cache .ruff_cache .pytest_cache $(VENV)/.installed

@@ -87,11 +87,59 @@ def ur(
         serve(arm, lambda: UrEmulator(arm, host, version), host, control_port, f"UR controller {version}")
 
 
-def emulated_arm(robot: str, seed: int, speedup: float, log: Path | None, faults: list[str]) -> EmulatedArm:
-    """The arm of the options, whose events are printed as they happen."""
-    from ..simulation.emulators import EmulatedArm, EventLog, FaultPlan
+@command(
+    "emulate denso",
+    "emulate denso --controller rc9 --fault emergency_stop@move2 --log events.jsonl",
+    "emulate denso --fault frozen_timestamp@30",
+)
+def denso(
+    host: Host = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port of b-CAP; 0 = any.")] = 5007,
+    robot: Annotated[str, typer.Option(help="The arm: denso_vp6242.")] = "denso_vp6242",
+    seed: Seed = 0,
+    controller: Annotated[str, typer.Option(help="rc8, rc9, or rc7 (fewer commands).")] = "rc8",
+    speedup: Speedup = 1.0,
+    control_port: ControlPortNumber = 30020,
+    fault: Fault = None,
+    log: LogFile = None,
+    list_faults: ListFaults = False,
+    allow_network: AllowNetwork = False,
+) -> None:
+    """Acts as a DENSO controller: b-CAP (port 5007).
 
-    arm = EmulatedArm(cell_config(robot=robot, seed=seed), speedup=speedup, log=EventLog(log, _print_event))
+    The arm stands over the same workbench as that of simulate, with the same errors; the simulated camera sees what it
+    would see there. Faults can be given here, or set at run time on the control port, where `clear` is the person at
+    the pendant. Nothing here was compared with a real controller.
+    """
+    with told_errors(Settings.debug):
+        from ..simulation.emulators.denso import DENSO_FAULTS, PROFILES, DensoEmulator
+
+        if list_faults:
+            print_faults(DENSO_FAULTS)
+            return
+        check_host(host, allow_network)
+        profile = next((profile for profile in PROFILES.values() if profile.name == controller), None)
+        if profile is None:
+            text = f"needs one of {', '.join(PROFILES)}, given {controller}"
+            raise typer.BadParameter(text, param_hint="--controller")
+        arm = emulated_arm(robot, seed, speedup, log, fault or [], DENSO_FAULTS)
+        try:
+            emulator = DensoEmulator(arm, host=host, port=port, controller=profile.name)
+        except OSError as error:
+            arm.close()
+            raise typer.BadParameter(f"{port}: {error}", param_hint="--port") from error
+        serve(arm, lambda: emulator, host, control_port, f"DENSO controller {controller}, port {emulator.port},")
+
+
+def emulated_arm(
+    robot: str, seed: int, speedup: float, log: Path | None, faults: list[str], known: frozenset[str] | None = None
+) -> EmulatedArm:
+    """The arm of the options, whose events are printed as they happen; `known`: the device's faults, None = all."""
+    from ..simulation.emulators import FAULTS, EmulatedArm, EventLog, FaultPlan, Faults
+
+    events = EventLog(log, _print_event)
+    device = Faults(events, frozenset(FAULTS) if known is None else known)
+    arm = EmulatedArm(cell_config(robot=robot, seed=seed), speedup=speedup, log=events, faults=device)
     try:
         for text in faults:
             arm.faults.plan(FaultPlan.parse(text))
@@ -111,11 +159,12 @@ def check_host(host: str, allow_network: bool) -> None:
         raise typer.BadParameter(text, param_hint="--host")
 
 
-def print_faults() -> None:
-    """The names for --fault."""
+def print_faults(known: frozenset[str] | None = None) -> None:
+    """The names for --fault; `known`: the device's, None = all."""
     from ..simulation.emulators import FAULTS
 
-    print_lines(*(f"{name}={value:g}  {text}" for name, (value, text) in FAULTS.items()))
+    shown = [name for name in FAULTS if known is None or name in known]
+    print_lines(*(f"{name}={FAULTS[name][0]:g}  {FAULTS[name][1]}" for name in shown))
 
 
 def serve(
