@@ -107,7 +107,8 @@ def _text(calibration: Calibration, form: str, frames: Frames, name: str, force:
     try:
         return export_text(calibration, form, frames, name=name, force=force)
     except NotUsableError as error:
-        err.print(f"[bold red]error:[/] not exported: {escape(command_line_words(str(error)))}. --force exports it as it is.")
+        reason = escape(command_line_words(str(error)))
+        err.print(f"[bold red]error:[/] not exported: {reason}. --force exports it as it is.")
         raise typer.Exit(int(Exit.BEYOND_LIMITS)) from error
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="--format") from error
