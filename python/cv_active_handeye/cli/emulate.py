@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import ipaddress
 import signal
-import threading
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
+from queue import SimpleQueue
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -128,13 +128,13 @@ def serve(
     """Opens a controller's ports (`open_ports()`, a context manager) and the control port, until somebody ends it."""
     from ..simulation.emulators import ControlPort
 
-    ended = threading.Event()
-    previous = {number: signal.signal(number, lambda *_: ended.set()) for number in (signal.SIGINT, signal.SIGTERM)}
+    ended: SimpleQueue[None] = SimpleQueue()  # its put may be interrupted by a second signal, an Event's set may not
+    previous = {number: signal.signal(number, lambda *_: ended.put(None)) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         with open_ports():
-            control = ControlPort(arm, host, control_port, ended.set)
+            control = ControlPort(arm, host, control_port, lambda: ended.put(None))
             print_lines(f"ready {name} on {host}, {arm.arm.name}, control {host}:{control.port}")
-            ended.wait()
+            ended.get()
             control.close()
     except OSError as error:
         raise typer.BadParameter(f"{host}: {error}", param_hint="--host") from error

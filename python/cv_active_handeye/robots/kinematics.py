@@ -199,7 +199,7 @@ def straight_line(start: Array, end: Array, step_m: float, step_deg: float) -> A
 
 
 def arm(name: str) -> SerialArm:
-    """Return the arm called `name`: "ur5e" or "denso_vp6242"."""
+    """Return the arm called `name`, a key of ARMS; ValueError where there is none."""
     if name not in ARMS:
         raise ValueError(f"name: needs one of {sorted(ARMS)}, got {name!r}")
     return ARMS[name]
@@ -228,17 +228,25 @@ def _rad(*degrees: float) -> tuple[float, ...]:
     return tuple(float(x) for x in np.radians(degrees))
 
 
-ARMS = {
-    # Universal Robots, "DH parameters for calculations of kinematics and dynamics".
-    "ur5e": SerialArm(
-        name="UR5e",
-        a=(0, -0.425, -0.3922, 0, 0, 0),
-        d=(0.1625, 0, 0, 0.1333, 0.0997, 0.0996),
+def _ur_e(name: str, a: tuple[float, float], d: tuple[float, float, float, float], reach: float) -> SerialArm:
+    """An arm of Universal Robots from the parameters of its links that are not zero."""
+    return SerialArm(
+        name=name,
+        a=(0, *a, 0, 0, 0),
+        d=(d[0], 0, 0, *d[1:]),
         alpha=_rad(90, 0, 0, 90, -90, 0),
         lower=_rad(*[-360] * 6),
         upper=_rad(*[360] * 6),
-        reach=0.85,
-    ),
+        reach=reach,
+    )
+
+
+ARMS = {
+    # Universal Robots, "DH parameters for calculations of kinematics and dynamics".
+    "ur5e": _ur_e("UR5e", (-0.425, -0.3922), (0.1625, 0.1333, 0.0997, 0.0996), 0.85),
+    "ur3e": _ur_e("UR3e", (-0.24355, -0.2132), (0.15185, 0.13105, 0.08535, 0.0921), 0.5),
+    "ur10e": _ur_e("UR10e", (-0.6127, -0.57155), (0.1807, 0.17415, 0.11985, 0.11655), 1.3),
+    "ur16e": _ur_e("UR16e", (-0.4784, -0.36), (0.1807, 0.17415, 0.11985, 0.11655), 0.9),
     # DENSO drawing 001050_1: 280 / 210 / 210 with 75 mm elbow offset / 70 mm. Joint zeros follow the usual reading
     # (all zero but J3 = 90: upper arm up, forearm level) and were not verified on a controller.
     "denso_vp6242": SerialArm(

@@ -11,11 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....robots.base import Array
+from ....robots.rtde_packets import Value
 from ....robots.ur_pose import pose_vector
 from ..arm import EmulatedArm, EmulatorStop
 from .program import MOTIONS, NAMES, NONE, ControlProgram
 from .registers import Registers
-from .rtde_packets import OUTPUT_TYPES, Value
+from .rtde_packets import OUTPUT_TYPES
 
 VERSIONS = {
     "3.15": (3, 15, 8, 106339),

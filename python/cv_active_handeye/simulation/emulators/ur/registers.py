@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import threading
 
-from .rtde_packets import INPUT_TYPES, REGISTERS, Value
+from ....robots.rtde_packets import Value
+from .rtde_packets import INPUT_TYPES, REGISTERS
 
 READY, DONE = 1, 2
 

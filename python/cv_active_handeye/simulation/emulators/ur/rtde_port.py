@@ -9,10 +9,11 @@ import struct
 import threading
 import time
 
+from ....robots import rtde_packets as rtde
+from ....robots.rtde_packets import Packet, PacketError, PacketReader, Recipe
 from ..server import ProtocolViolation
-from . import rtde_packets as rtde
 from .controller import UrController
-from .rtde_packets import Packet, PacketError, PacketReader, Recipe
+from .rtde_packets import INPUT_TYPES, OUTPUT_TYPES, names_of, output_request, protocol_version
 
 _LONGEST_INPUTS = 255  # recipes; their number is a byte
 
@@ -69,15 +70,15 @@ class RtdeConnection:
     def _answer(self, packet: Packet) -> None:
         payload = packet.payload
         if packet.kind == rtde.PROTOCOL:
-            self._send(rtde.PROTOCOL, bytes([rtde.protocol_version(payload) == 2]))
+            self._send(rtde.PROTOCOL, bytes([protocol_version(payload) == 2]))
         elif packet.kind == rtde.VERSION:
             self._send(rtde.VERSION, struct.pack(">4I", *self._controller.version))
         elif packet.kind == rtde.OUTPUTS:
-            self._frequency, names = rtde.output_request(payload)
-            self._outputs = Recipe(names, tuple(rtde.OUTPUT_TYPES.get(name, rtde.NOT_FOUND) for name in names))
+            self._frequency, names = output_request(payload)
+            self._outputs = Recipe(names, tuple(OUTPUT_TYPES.get(name, rtde.NOT_FOUND) for name in names))
             self._send(rtde.OUTPUTS, b"\x01" + ",".join(self._outputs.types).encode())
         elif packet.kind == rtde.INPUTS:
-            self._add_inputs(rtde.names(payload))
+            self._add_inputs(names_of(payload))
         elif packet.kind == rtde.START:
             self._start()
         elif packet.kind == rtde.PAUSE:
@@ -89,7 +90,7 @@ class RtdeConnection:
     def _add_inputs(self, names: tuple[str, ...]) -> None:
         if len(self._inputs) >= _LONGEST_INPUTS:
             raise PacketError(f"input recipes: needs at most {_LONGEST_INPUTS}")
-        types = tuple(rtde.INPUT_TYPES.get(name, rtde.NOT_FOUND) for name in names)
+        types = tuple(INPUT_TYPES.get(name, rtde.NOT_FOUND) for name in names)
         taken = self._claims.take(self, names) | self._fieldbus(names)
         if taken:
             types = tuple(rtde.IN_USE if name in taken else kind for name, kind in zip(names, types, strict=True))

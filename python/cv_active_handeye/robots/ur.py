@@ -1,0 +1,336 @@
+# SPDX-FileCopyrightText: 2026 active_handeye contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Universal Robots on ur_rtde: the flange is what moves and what is read, the tool centre point is given back after.
+
+ur_rtde is third-party software (MIT), not supported by Universal Robots. It runs in a process of its own (`ur_child`),
+so that no call of this file can hang on it; when this program is killed, that process stops the arm.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from types import TracebackType
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from . import ur_probe
+from .base import Array, MoveRefusedError, RobotError, RobotPose, RobotStoppedError, RobotUnavailableError, Speed
+from .base import StopReason as Reason
+from .kinematics import ARMS
+from .straight_move import StraightMove
+from .ur_pose import pose_vector
+from .ur_probe import UrFacts
+from .ur_process import UrCallError, UrProcess, UrProcessLostError
+from .ur_watch import PLAYING, ROBOT_MODES, RUNNING_MODE, Freshness, MoveWatch, UrState, check_state, safety_stop
+from .workspace import mm_text
+
+_OPEN_S, _CALL_S, _SHORT_S = 8.0, 4.0, 1.0
+_LEAVE_S = 8.0
+_WATCH_S = 0.01
+_STANDSTILL_S, _STANDING_RAD = 1.5, 1e-5
+_STOPPED_BY_CONTROLLER = {
+    *(Reason.PROTECTIVE_STOP, Reason.EMERGENCY_STOP, Reason.SAFEGUARD_STOP),
+    *(Reason.PROGRAM_STOPPED, Reason.CONTROLLER_ERROR),
+}
+_OUTPUTS = 8
+_log = logging.getLogger(__name__)
+
+
+class UrConfig(BaseModel):
+    """A UR controller. model: key of `kinematics.ARMS`, other names (ur20, ...) have no known geometry.
+
+    freshness_s: how long the controller's clock may stand still.
+    upper_registers: use RTDE registers 24 to 47, where a fieldbus owns those below (PolyScope 3.9 or 5.3, and later).
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    type: Literal["ur"] = "ur"
+    host: str = Field(min_length=1)
+    model: str = "ur5e"
+    freshness_s: float = Field(default=0.2, ge=0.05, le=1.0)
+    upper_registers: bool = False
+
+
+class UrRobot:
+    """A UR arm. Speaks to one controller; every method may be called from any thread.
+
+    Deadlines: pose 2 s, check_reachable, is_steady and set_output 5 s, move_linear that of the move (twice its time
+    and some seconds) and 4 s to stop, stop 7 s, close 20 s, each also on a dead link.
+    """
+
+    def __init__(self, config: UrConfig, facts: UrFacts, process: UrProcess, tool: list[float] | None) -> None:
+        """Use `connect`. tool: what the tool centre point was and shall be again, None where it was not changed."""
+        self.name = f"UR {config.model} at {config.host}"
+        self.model = config.model if config.model in ARMS else None
+        self.live = tool is not None
+        self._config, self._facts, self._process, self._tool = config, facts, process, tool
+        self._stopped: RobotStoppedError | None = None
+        self._stop_wanted = threading.Event()
+        self._moving = threading.Lock()
+        self._latch = threading.Lock()
+        self._closed = False
+
+    @classmethod
+    def connect(cls, config: UrConfig, *, live: bool) -> UrRobot:
+        """Connects within 25 s; RobotUnavailableError says what is in the way.
+
+        Without `live` only the stream of poses is opened. With it, ur_rtde's program is started on the controller, and
+        the flange becomes the tool centre point until `close`.
+        """
+        facts = _usable(config.host, live)
+        process = UrProcess(config.host)
+        try:
+            process.ask("open_receive", deadline=_OPEN_S)
+            tool = None
+            if live:
+                process.ask("open_control", config.upper_registers, deadline=_OPEN_S)
+                tool = [float(x) for x in process.ask("take_tool", deadline=_CALL_S)]
+        except (UrCallError, UrProcessLostError) as error:
+            process.finish(_LEAVE_S)
+            raise RobotUnavailableError(_told(config, error)) from error
+        except BaseException:
+            process.finish(_LEAVE_S)
+            raise
+        return cls(config, facts, process, tool)
+
+    def pose(self) -> RobotPose:
+        """Returns a fresh flange pose; RobotStoppedError: STALE_POSE where the controller's clock stands, LINK_LOST."""
+        state = self._fresh_state()
+        return RobotPose(self._flange(state.pose), state.joints, state.time, time.monotonic())
+
+    def check_reachable(self, T_gripper2base: Array) -> None:
+        """Asks the controller's kinematics and safety limits about a pose (4, 4), when live; MoveRefusedError."""
+        if not self.live:
+            return
+        if not self._ask("reachable", pose_vector(T_gripper2base), deadline=_CALL_S):
+            raise MoveRefusedError(
+                f"{self.name}: the controller says that the flange cannot be at {mm_text(T_gripper2base[:3, 3])} mm: "
+                "out of the arm's reach or of its safety limits"
+            )
+
+    def move_linear(self, T_gripper2base: Array, speed: Speed) -> None:
+        """Moves the flange on a straight line to a pose (4, 4) and watches it; see `base.Robot.move_linear`."""
+        if not self.live:
+            raise MoveRefusedError(f"{self.name}: was not opened to be moved (live)")
+        with self._moving:
+            try:
+                self._move(np.asarray(T_gripper2base, dtype=np.float64), speed)
+            except RobotStoppedError as error:
+                raise self._halted(error) from error
+            except MoveRefusedError:
+                raise
+            except BaseException:
+                self._halted(RobotStoppedError(Reason.OPERATOR, "the program was interrupted"))
+                raise
+
+    def is_steady(self) -> bool:
+        """Whether the controller says that the arm is at rest; when not live, whether its pose stands for 50 ms."""
+        if self.live:
+            return bool(self._ask("steady", deadline=_CALL_S))
+        first = self._fresh_state()
+        time.sleep(0.05)
+        return bool(np.abs(self._fresh_state().joints - first.joints).max() < 1e-5)
+
+    def stop(self) -> None:
+        """Stops the arm, from any thread; after it the robot has to be connected anew. Raises nothing."""
+        self._stop_wanted.set()
+        if self.live and not self._closed:
+            self._halted(RobotStoppedError(Reason.OPERATOR, "a stop was asked for"))
+
+    def set_output(self, pin: int, on: bool) -> None:
+        """Switches a standard digital output (0 to 7) and waits up to 0.5 s until the controller shows it."""
+        if not 0 <= pin < _OUTPUTS:
+            raise RobotError(f"pin: needs 0 to {_OUTPUTS - 1}, given {pin}")
+        if not self._ask("output", pin, on, deadline=_CALL_S):
+            raise RobotError(f"{self.name}: the controller refuses to switch output {pin}")
+        deadline = time.monotonic() + 0.5
+        while bool(self._state().outputs >> pin & 1) != on:
+            if time.monotonic() > deadline:
+                raise RobotError(f"{self.name}: output {pin} did not change: is another program or safety in charge")
+            time.sleep(_WATCH_S)
+
+    def close(self) -> None:
+        """Stops, restores the tool centre point, and disconnects; a tool that could not be restored is logged."""
+        if self._closed:
+            return
+        self._closed = True
+        self._stop_wanted.set()
+        if not self.live or self._give_tool(self._process):
+            self._process.finish(_LEAVE_S)
+            return
+        self._process.kill()
+        self._process.finish(_SHORT_S)
+        if not self._give_tool_anew():
+            _log.error("%s: %s", self.name, self._tool_text())
+
+    def __enter__(self) -> UrRobot:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _move(self, target: Array, speed: Speed) -> None:
+        if self._stopped is not None:
+            raise self._stopped
+        before = self._fresh_state()
+        check_state(before, live=True)
+        watch = MoveWatch(StraightMove(before.pose, target), speed, time.monotonic(), self._config.freshness_s)
+        v, a = speed.metres_per_second, speed.metres_per_second2
+        if self._stop_wanted.is_set():
+            raise RobotStoppedError(Reason.OPERATOR, "a stop was asked for")
+        if not self._ask("move", pose_vector(target), v, a, deadline=_CALL_S):
+            check_state(self._state(), live=True)
+            raise RobotStoppedError(Reason.CONTROLLER_ERROR, "the controller did not begin the move; see the pendant")
+        while not watch.arrived(self._state(), time.monotonic()):
+            if self._stop_wanted.wait(_WATCH_S):
+                raise RobotStoppedError(Reason.OPERATOR, "a stop was asked for")
+
+    def _halted(self, error: RobotStoppedError) -> RobotStoppedError:
+        """Stops the arm by all means there are; returns the first reason, which is kept."""
+        with self._latch:
+            if self._stopped is not None:
+                return self._stopped
+            self._stopped = error
+        if not self._brought_to_rest(error.reason):
+            self._process.kill()
+            told = ur_probe.stop_without_rtde(self._config.host, self._facts)
+            how = "was told to stop by another way" if told else "COULD NOT BE TOLD TO STOP: press the emergency stop"
+            self._stopped = RobotStoppedError(error.reason, f"{_text(error)}; the arm {how}. {self._tool_text()}")
+        return self._stopped
+
+    def _brought_to_rest(self, reason: Reason) -> bool:
+        """Stops the arm where the controller has not done so by itself; whether it was seen to stand."""
+        if reason is Reason.LINK_LOST:
+            return False
+        try:
+            if reason not in _STOPPED_BY_CONTROLLER:
+                self._process.ask("stop", deadline=_SHORT_S)
+            deadline, last = time.monotonic() + _STANDSTILL_S, self._state()
+            while time.monotonic() < deadline:
+                time.sleep(2 * _WATCH_S)
+                state = self._state()
+                fresh = state.connected and state.time != last.time
+                if fresh and np.abs(state.joints - last.joints).max() < _STANDING_RAD:
+                    return True
+                last = state
+        except (UrCallError, UrProcessLostError, RobotError):
+            pass  # told by the caller
+        return False
+
+    def _fresh_state(self) -> UrState:
+        """A package that arrived after this call began."""
+        first = self._state()
+        fresh = Freshness(self._config.freshness_s)
+        fresh.check(first, time.monotonic())
+        while True:
+            state = self._state()
+            if not state.connected:
+                raise RobotStoppedError(Reason.LINK_LOST, f"{self.name}: the controller closed the connection")
+            if state.time != first.time:
+                return state
+            fresh.check(state, time.monotonic())
+            time.sleep(0.002)
+
+    def _state(self) -> UrState:
+        return UrState.of(self._ask("state", deadline=_SHORT_S))
+
+    def _ask(self, call: str, *arguments: object, deadline: float) -> Any:
+        try:
+            return self._process.ask(call, *arguments, deadline=deadline)
+        except UrProcessLostError as error:
+            raise RobotStoppedError(Reason.LINK_LOST, f"{self.name}: {error}; check cable and network") from error
+        except UrCallError as error:
+            raise RobotError(f"{self.name}: {call}: {error}") from error
+
+    def _flange(self, T_tcp2base: Array) -> Array:
+        if self.live or self._facts.T_tcp2flange is None:
+            return T_tcp2base
+        return np.asarray(T_tcp2base @ np.linalg.inv(self._facts.T_tcp2flange))
+
+    def _give_tool(self, process: UrProcess) -> bool:
+        try:
+            state = UrState.of(process.ask("state", deadline=_SHORT_S))
+            if state.runtime_state != PLAYING or not state.connected:
+                return False
+            return bool(process.ask("give_tool", self._tool, deadline=_CALL_S))
+        except (UrCallError, UrProcessLostError, ValueError):
+            return False
+
+    def _give_tool_anew(self) -> bool:
+        """Restores the tool over connections of their own, where the first ones are lost and the controller allows."""
+        try:
+            _usable(self._config.host, live=True, ours=True)
+        except RobotUnavailableError:
+            return False
+        process = UrProcess(self._config.host)
+        try:
+            process.ask("open_receive", deadline=_SHORT_S + 2.0)
+            process.ask("open_control", self._config.upper_registers, deadline=_CALL_S)
+            return self._give_tool(process)
+        except (UrCallError, UrProcessLostError):
+            return False
+        finally:
+            process.finish(2.0)
+
+    def _tool_text(self) -> str:
+        return (
+            "The active tool centre point may still be the flange; it was "
+            f"p{[round(x, 6) for x in self._tool or []]} (m, rad): set it at the pendant before other work"
+        )
+
+
+def connect(config: UrConfig, *, live: bool) -> UrRobot:
+    """See `UrRobot.connect`."""
+    return UrRobot.connect(config, live=live)
+
+
+def _usable(host: str, live: bool, ours: bool = False) -> UrFacts:
+    """What the controller says of itself, if it can be used; `ours`: a program that runs there was begun by us."""
+    facts = ur_probe.ask_rtde(host)
+    if not live:
+        if facts.T_tcp2flange is None:
+            version = ".".join(map(str, facts.version[:3]))
+            raise RobotUnavailableError(
+                f"{host}: PolyScope {version} does not tell its tool centre point, so that the flange is only known "
+                "when live"
+            )
+        return facts
+    ur_probe.check_program_port(host)
+    ur_probe.check_remote(host, facts)
+    stop = safety_stop(facts.safety_bits)
+    if stop is not None:
+        raise RobotUnavailableError(f"{host}: {stop[0].value}: {stop[1]}")
+    if facts.robot_mode != RUNNING_MODE:
+        mode = ROBOT_MODES.get(facts.robot_mode, str(facts.robot_mode))
+        raise RobotUnavailableError(f"{host}: the robot's mode is '{mode}': power it on and release its brakes")
+    if facts.runtime_state == PLAYING and not ours:
+        raise RobotUnavailableError(
+            f"{host}: a program runs on the controller, somebody's or one that a lost connection left behind: stop it "
+            "at the pendant"
+        )
+    return facts
+
+
+def _told(config: UrConfig, error: UrCallError | UrProcessLostError) -> str:
+    """What hindered ur_rtde, for a person."""
+    text = str(error)
+    if isinstance(error, UrCallError) and error.missing is not None:
+        return f"ur_rtde is not installed ({error.missing}): pip install 'cv_active_handeye[ur]'"
+    if "in use" in text.lower() or "IN_USE" in text or "fieldbus" in text.lower():
+        cure = "disable it, or set upper_registers" if not config.upper_registers else "disable it"
+        return (
+            f"{config.host}: the RTDE registers belong to a fieldbus (EtherNet/IP, PROFINET, MODBUS) or to another "
+            f"client: {cure} ({text})"
+        )
+    return f"{config.host}: ur_rtde cannot use the controller: {text}"
+
+
+def _text(error: RobotStoppedError) -> str:
+    return str(error).removeprefix(f"{error.reason.value}: ")
