@@ -14,6 +14,7 @@ from support.camera_emulation import HEIGHT, WIDTH, basler_config, picture, show
 
 from cv_active_handeye.cameras import basler
 from cv_active_handeye.cameras.base import Camera, CameraError
+from cv_active_handeye.cameras.common import vendor_module
 
 pytestmark = pytest.mark.timeout(60)
 
@@ -136,6 +137,36 @@ def test_missing_frames_end_after_the_stated_time(tmp_path: Path) -> None:
         with pytest.raises(CameraError, match=r"no usable frame in 2 tries: no frame within 0\.2 s\."):
             camera.grab()
         assert 0.35 < time.monotonic() - began < 1.5
+
+
+class Unplugged:
+    """A camera that is pulled out after it was triggered, around a real one."""
+
+    def __init__(self, device: Any, error: type[Exception]) -> None:
+        self._device, self._error = device, error
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._device, name)
+
+    def RetrieveResult(self, *_: object) -> None:
+        raise self._error("the device is not connected")
+
+    def StopGrabbing(self) -> None:
+        self._device.StopGrabbing()
+        raise self._error("the device is not connected")
+
+    def IsCameraDeviceRemoved(self) -> bool:
+        return True
+
+
+def test_camera_that_is_pulled_out_is_told(tmp_path: Path) -> None:
+    pylon = vendor_module("pypylon.pylon", "basler")
+    show(tmp_path, picture(3))
+    with basler.connect(basler_config(tmp_path)) as camera:
+        assert isinstance(camera, basler.BaslerCamera)
+        camera._device = Unplugged(camera._device, pylon.RuntimeException)
+        with pytest.raises(CameraError, match=r"was unplugged or lost its power; connect it and open it anew"):
+            camera.grab()
 
 
 def test_frame_of_another_size_is_refused(tmp_path: Path) -> None:

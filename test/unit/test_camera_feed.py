@@ -18,9 +18,10 @@ from support.camera_emulation import basler_config
 from support.command_line import run
 
 from cv_active_handeye.cameras import basler
+from cv_active_handeye.cameras.simulated import StopEye
 from cv_active_handeye.dataset import Image
 from cv_active_handeye.simulation import CellConfig, SimulatedCell
-from cv_active_handeye.simulation.emulators import ControlPort, EmulatedArm, EmulatorLink, EventLog
+from cv_active_handeye.simulation.emulators import ArmState, ControlPort, EmulatedArm, EmulatorLink, EventLog
 from cv_active_handeye.simulation.emulators.camera_feed import CameraFeed
 
 pytestmark = pytest.mark.timeout(60)
@@ -78,9 +79,19 @@ def expected(arm: EmulatedArm) -> Image:
 
 
 def test_frame_of_pylon_is_the_rendering_of_the_stop_bit_by_bit(
-    arm: EmulatedArm, feed: CameraFeed, tmp_path: Path
+    arm: EmulatedArm, feed: CameraFeed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Every stop with the laser off and on, grabbed as soon as the arm says that it is steady."""
+    """Every stop with the laser off and on, grabbed as soon as the arm says that it is steady.
+
+    Rendering takes its time, so that whoever does not wait for it sees the frame before.
+    """
+    render = StopEye.image
+
+    def slow(self: StopEye, state: ArmState, count: int, *, laser_on: bool) -> Image:
+        time.sleep(0.1)
+        return render(self, state, count, laser_on=laser_on)
+
+    monkeypatch.setattr(StopEye, "image", slow)
     seen: list[Image] = []
     with basler.connect(basler_config(tmp_path)) as camera:
         for millimetres in (4.0, -6.0, 3.0, 5.0):

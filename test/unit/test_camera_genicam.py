@@ -92,11 +92,16 @@ class FailingAcquirer:
     def __getattr__(self, name: str) -> object:
         return getattr(self._real, name)
 
+    @staticmethod
+    def _lost() -> None:
+        raise OSError("no such device")
+
     def try_fetch(self, *, timeout: float) -> object:
         fault = self._faults.pop(0) if self._faults else ""
         if fault == "missing":
             return None
         if fault == "unplugged":
+            self.stop = self._lost
             raise OSError("device lost")
         buffer = self._real.try_fetch(timeout=timeout)  # type: ignore[attr-defined]  # harvesters has no types
         return SimpleNamespace(is_complete=lambda: False, queue=buffer.queue) if fault == "damaged" else buffer
@@ -114,6 +119,8 @@ def test_damaged_and_missing_frames_are_taken_again_then_told(producer: Path) ->
         camera._acquirer = FailingAcquirer(real, ["unplugged"])
         with pytest.raises(CameraError, match=r"device lost\. Check power and cable"):
             camera.grab()
+        real.stop()
+        camera._acquirer = real
         assert camera.grab().image.shape == (400, 400, 3)
 
 

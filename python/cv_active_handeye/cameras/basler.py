@@ -77,21 +77,21 @@ class BaslerCamera(OpenCamera):
 
     def _expose(self) -> Frame:
         pylon, device = self._pylon, self._device
-        limit = round(1000 * self._config.timeout_s)
+        deadline = time.monotonic() + self._config.timeout_s
         try:
             device.StartGrabbingMax(1, pylon.GrabStrategy_OneByOne)
-            if self._config.trigger == "software":
-                device.WaitForFrameTriggerReady(limit, pylon.TimeoutHandling_Return)
             requested = time.monotonic()
             if self._config.trigger == "software":
+                device.WaitForFrameTriggerReady(_milliseconds_to(deadline), pylon.TimeoutHandling_Return)
+                requested = time.monotonic()
                 device.ExecuteSoftwareTrigger()
-            left = max(1, limit - round(1000 * (time.monotonic() - requested)))
-            result = device.RetrieveResult(left, pylon.TimeoutHandling_Return)
+            result = device.RetrieveResult(_milliseconds_to(deadline), pylon.TimeoutHandling_Return)
             return self._frame(result, requested)
         except pylon.GenericException as error:
             raise self._lost(error) from error
         finally:
-            device.StopGrabbing()
+            with suppress(pylon.GenericException):  # a camera that is gone has stopped
+                device.StopGrabbing()
 
     def _frame(self, result: Any, requested: float) -> Frame:
         if not result.IsValid():
@@ -150,6 +150,10 @@ class _PylonFeatures:
 
     def choices(self, name: str) -> Sequence[str]:
         return tuple(self._nodes.GetNode(name).GetSymbolics())
+
+
+def _milliseconds_to(deadline: float) -> int:
+    return max(1, round(1000 * (deadline - time.monotonic())))
 
 
 def _opened(pylon: Any, config: BaslerCameraConfig, name: str) -> Any:

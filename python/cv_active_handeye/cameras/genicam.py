@@ -84,7 +84,8 @@ class GenicamCamera(OpenCamera):
         except Exception as error:  # producers raise whatever they like
             raise CameraError(f"{self.info.name}: {error}. Check power and cable, then open it anew.") from error
         finally:
-            self._acquirer.stop()
+            with suppress(Exception):  # a camera that is gone has stopped
+                self._acquirer.stop()
 
     def _frame(self, buffer: Any, requested: float) -> Frame:
         if buffer is None:

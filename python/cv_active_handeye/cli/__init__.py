@@ -26,6 +26,7 @@ try:
     from . import commands as commands
     from . import emulate as emulate
     from . import emulate_camera as emulate_camera
+    from . import exporting as exporting
     from . import laser as laser
     from . import planning as planning
 except ModuleNotFoundError as error:
