@@ -18,7 +18,7 @@ from .files import check_schema_version, read_yaml, validate
 from .robots.base import Speed
 from .robots.registry import RobotConfig
 from .workflow.capture import CaptureSettings
-from .workflow.plan import PlanSettings
+from .workflow.plan_settings import PlanSettings
 
 SCHEMA_VERSION = 1
 
@@ -27,7 +27,8 @@ class StationConfig(Strict):
     """What stands there.
 
     laser: who switches it; stripe: how it lies in the image. speed, capture: how the arm is moved and when it rests.
-    planning: what is known of camera and scene beforehand, and the workspace. calibration: as in `calibrate --config`.
+    planning: workspace, and what is known of camera and scene beforehand; a simulated camera knows its own.
+    calibration: as in `calibrate --config`.
     """
 
     schema_version: Literal[1] = 1
@@ -37,7 +38,7 @@ class StationConfig(Strict):
     stripe: LaserInfo = LaserInfo()
     speed: Speed = Speed()
     capture: CaptureSettings = CaptureSettings()
-    planning: PlanSettings = PlanSettings()
+    planning: PlanSettings | None = None
     calibration: CalibrationOptions = CalibrationOptions()
 
 

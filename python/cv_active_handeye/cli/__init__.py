@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 __all__ = ["app"]
 
-EXTRA = {"cv2", "jinja2", "markupsafe", "matplotlib", "plotly", "pydantic", "rich", "typer", "yaml"}
+EXTRA = {"cv2", "jinja2", "markupsafe", "matplotlib", "plotly", "pydantic", "rich", "scipy", "typer", "yaml"}
 
 
 def _missing(name: str) -> Callable[[], object]:
@@ -28,7 +28,9 @@ try:
     from . import emulate_camera as emulate_camera
     from . import exporting as exporting
     from . import laser as laser
+    from . import live as live
     from . import planning as planning
+    from . import running as running
 except ModuleNotFoundError as error:
     if error.name not in EXTRA:
         raise

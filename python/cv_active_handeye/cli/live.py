@@ -80,10 +80,15 @@ def capture(
             return
         confirm(motion_text(moves, config.speed))
         dataset.mkdir(parents=True, exist_ok=True)
-        with told_what_is_safe(dataset), terminal_reporter() as reporter, EventLog(dataset / LOG_NAME) as log:
-            station_options = {"live": True, "event": log, "ask": reporter.ask, "reporter": reporter}
-            with open_station(config, planned.workspace, **station_options) as opened:
-                recorded = record(dataset, planned, opened, config.capture, log, reporter)
+        with (
+            told_what_is_safe(dataset),
+            terminal_reporter() as reporter,
+            EventLog(dataset / LOG_NAME) as log,
+            open_station(
+                config, planned.workspace, live=True, event=log, ask=reporter.ask, reporter=reporter
+            ) as opened,
+        ):
+            recorded = record(dataset, planned, opened, config.capture, log, reporter)
     print_lines(f"{len(recorded)} views in {dataset}")
 
 

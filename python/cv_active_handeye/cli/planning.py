@@ -65,7 +65,7 @@ def plan(
     The start is where the camera looks at the scene from the stand-off of the settings.
     """
     with terminal_reporter() as reporter, told_errors(Settings.debug, reporter):
-        asked = plan_settings(settings, stops, target_sigma)
+        asked = plan_settings(settings, asked_stops(stops, target_sigma))
         made = make_plan(start_from(model, start_joints, start_pose), asked, reporter)
         output.parent.mkdir(parents=True, exist_ok=True)
         made.save(output)
@@ -75,16 +75,18 @@ def plan(
     print_lines(*plan_lines(made, asked), f"Written to {output}", f"Picture: {shown}")
 
 
-def plan_settings(file: Path, stops: int | None, target_sigma: str | None) -> PlanSettings:
-    """Settings of a file, with what the command line says instead."""
+def plan_settings(file: Path, asked: dict[str, Any]) -> PlanSettings:
+    """Settings of a file, with what the command line asks instead."""
+    return validate(PlanSettings, {**read_yaml(file, "settings"), **asked}, file)
+
+
+def asked_stops(stops: int | None, target_sigma: str | None) -> dict[str, Any]:
+    """What the options ask of a plan, for `PlanSettings`; empty where they ask nothing."""
     if stops is not None and target_sigma is not None:
         raise typer.BadParameter("needs one of --stops and --target-sigma, given both", param_hint="--target-sigma")
-    content: dict[str, Any] = dict(read_yaml(file, "settings"))
     if stops is not None:
-        content = {**content, "stops": stops, "target_sigma_mm": None}
-    if target_sigma is not None:
-        content = {**content, "stops": None, "target_sigma_mm": millimetres(target_sigma)}
-    return validate(PlanSettings, content, file)
+        return {"stops": stops, "target_sigma_mm": None}
+    return {} if target_sigma is None else {"stops": None, "target_sigma_mm": millimetres(target_sigma)}
 
 
 def millimetres(text: str) -> float:

@@ -6,6 +6,16 @@ from ..robots.kinematics import UnreachableError
 from .cell import SimulatedCell, SimulatedView
 from .config import CellConfig
 from .exact import StripeTruth
+from .nominal import nominal_planning
 from .truth import TrueView, Truth
 
-__all__ = ["CellConfig", "SimulatedCell", "SimulatedView", "StripeTruth", "TrueView", "Truth", "UnreachableError"]
+__all__ = [
+    "CellConfig",
+    "SimulatedCell",
+    "SimulatedView",
+    "StripeTruth",
+    "TrueView",
+    "Truth",
+    "UnreachableError",
+    "nominal_planning",
+]

@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from ..dataset import Dataset
 from ..dataset_format import CameraInfo, LaserInfo
 from ..robots import kinematics
-from . import exact, marks, motion
+from . import exact, marks, motion, nominal
 from .bench import weld_root, workbench
 from .config import CellConfig
 from .desk import desk
@@ -243,8 +243,8 @@ def _camera(config: CellConfig, rng: np.random.Generator) -> Camera:
 
 
 def _mounting(rng: np.random.Generator) -> Array:
-    turn = Rotation.from_rotvec(np.radians(np.array([4.1, -4.6, 2.7]) + rng.uniform(-1, 1, 3)))
-    return _pose(turn, np.array([-0.005, 0.103, 0.103]) + rng.uniform(-0.003, 0.003, 3))
+    turn = Rotation.from_rotvec(np.radians(nominal.MOUNTING_DEG + rng.uniform(-1, 1, 3)))
+    return _pose(turn, nominal.MOUNTING + rng.uniform(-0.003, 0.003, 3))
 
 
 def _bump(config: CellConfig) -> Array:
@@ -255,16 +255,14 @@ def _bump(config: CellConfig) -> Array:
 
 
 def _laser(config: CellConfig, rng: np.random.Generator) -> Laser:
-    origin = np.array([0.004, -0.100, 0.010]) + rng.uniform(-0.002, 0.002, 3)
+    origin = nominal.LASER_ORIGIN + rng.uniform(-0.002, 0.002, 3)
     crossing = np.array([0.0, 0.0, motion.STAND_OFF + rng.uniform(-0.01, 0.01)])
-    along = np.array([np.cos(0.02), np.sin(0.02 + 0.005 * rng.uniform(-1, 1)), 0.015])
-    n = np.cross(crossing - origin, along)
-    n /= np.linalg.norm(n)
-    d = float(n @ origin)
-    sign = 1.0 if d > 0 else -1.0
+    slant = nominal.LASER_SLANT
+    along = np.array([np.cos(slant), np.sin(slant + 0.005 * rng.uniform(-1, 1)), 0.015])
+    plane = nominal.light_plane_through(origin, crossing, along)
     return Laser(
-        sign * n,
-        sign * d,
+        plane[:3],
+        float(plane[3]),
         origin,
         config.laser_sigma_mm / 1000,
         config.laser_power if config.laser else 0.0,

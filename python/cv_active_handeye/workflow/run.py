@@ -15,7 +15,6 @@ from .calibrate import calibrate_with_evidence
 from .capture import PLAN_NAME, Capture, CaptureSettings, Improve, Station, begin
 from .check_stops import check_plan_of
 from .dry_run import check_plan
-from .event_log import FILE_NAME as LOG_NAME
 from .event_log import EventLog
 from .pictures import draw_pictures
 from .reporter import Reporter
@@ -67,17 +66,16 @@ def record_with_checks(
     plan: Plan,
     station: Station,
     settings: CaptureSettings,
+    log: EventLog,
     reporter: Reporter,
     improve: Improve | None = None,
 ) -> tuple[Dataset, Dataset]:
     """Records `dataset` and then `check`, some views between its stops, into `folder`."""
-    folder.mkdir(parents=True, exist_ok=True)
-    with EventLog(folder / LOG_NAME) as log:
-        dataset = record(folder / "dataset", plan, station, settings, log, reporter, improve)
-        captured = Plan.load(folder / "dataset" / PLAN_NAME)
-        resumed = (folder / "check" / FILE_NAME).is_file()
-        checks = captured if resumed else check_plan_of(captured, station.robot)
-        return dataset, record(folder / "check", checks, station, settings, log, reporter)
+    dataset = record(folder / "dataset", plan, station, settings, log, reporter, improve)
+    captured = Plan.load(folder / "dataset" / PLAN_NAME)
+    resumed = (folder / "check" / FILE_NAME).is_file()
+    checks = captured if resumed else check_plan_of(captured, station.robot)
+    return dataset, record(folder / "check", checks, station, settings, log, reporter)
 
 
 def evaluate(folder: Path, options: CalibrationOptions, reporter: Reporter) -> RunResult:

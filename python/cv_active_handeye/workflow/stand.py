@@ -40,5 +40,7 @@ def open_station(
 def _camera(config: StationConfig, robot: Robot) -> Camera:
     """The simulated camera of a simulated robot looks at its arm; every other camera is on its own."""
     if isinstance(config.camera, SimulatedCameraConfig) and isinstance(robot, SimulatedRobot):
-        return SimulatedCamera(robot.cell, robot.state, laser_pin=config.camera.laser_pin)
+        from ..simulation import SimulatedCell
+
+        return SimulatedCamera(SimulatedCell(robot.arm.cell), robot.arm.state, laser_pin=config.camera.laser_pin)
     return open_camera(config.camera)
