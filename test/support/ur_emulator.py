@@ -28,10 +28,16 @@ class UrEmulatorProcess:
             [*command, "--log", str(self.log), *options], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
         )
         assert self.process.stdout is not None
-        self.ready = self.process.stdout.readline()
-        assert self.ready.startswith("ready UR controller"), self.ready + self.process.stdout.read()
+        self.before_ready = list(iter(lambda: self._line(), ""))
         self.link = EmulatorLink(self.host, int(self.ready.rsplit(":", 1)[1]))
         self._first = 0
+
+    def _line(self) -> str:
+        """A line before the emulator is ready, "" when it is."""
+        assert self.process.stdout is not None
+        self.ready = self.process.stdout.readline()
+        assert self.ready, self.process.wait(20)
+        return "" if self.ready.startswith("ready UR controller") else self.ready
 
     def begin(self) -> None:
         """The person at the pendant clears everything; `events` begin here."""
