@@ -53,7 +53,7 @@ def _cleared(emulator: UrEmulatorProcess) -> None:
 
 
 def live(emulator: UrEmulatorProcess) -> UrRobot:
-    return connect(UrConfig(host=emulator.host), live=True)
+    return connect(UrConfig(host=emulator.host, freshness_s=1.0), live=True)  # the machine of the tests is a busy one
 
 
 def raised(pose: Array, mm: float) -> Array:
@@ -70,7 +70,7 @@ def tool_of(emulator: UrEmulatorProcess) -> list[float]:
 
 
 def test_pose_without_live_is_the_flange_and_starts_no_program(emulator: UrEmulatorProcess) -> None:
-    with connect(UrConfig(host=emulator.host), live=False) as robot:
+    with connect(UrConfig(host=emulator.host, freshness_s=1.0), live=False) as robot:
         assert isinstance(robot, Robot)
         assert (robot.model, robot.live) == ("ur5e", False)
         pose = robot.pose()
@@ -202,7 +202,7 @@ def test_stop_from_another_thread_ends_a_move_and_latches(emulator: UrEmulatorPr
 def test_killed_program_leaves_an_arm_that_was_stopped_and_has_its_tool(emulator: UrEmulatorProcess) -> None:
     code = (
         "import sys; from cv_active_handeye.robots.ur import *\n"
-        f"robot = connect(UrConfig(host={emulator.host!r}), live=True)\n"
+        f"robot = connect(UrConfig(host={emulator.host!r}, freshness_s=1.0), live=True)\n"
         "target = robot.pose().T_gripper2base; target[2, 3] += 0.08 if target[2, 3] < 0.5 else -0.08\n"
         "print('moving', flush=True); robot.move_linear(target, Speed(metres_per_second=0.02))"
     )
@@ -242,7 +242,7 @@ def test_connect_names_what_is_in_the_way(emulator: UrEmulatorProcess, fault: st
 
 def test_upper_registers_go_round_a_fieldbus(emulator: UrEmulatorProcess) -> None:
     emulator.link.fault("register_conflict")
-    with connect(UrConfig(host=emulator.host, upper_registers=True), live=True) as robot:
+    with connect(UrConfig(host=emulator.host, upper_registers=True, freshness_s=1.0), live=True) as robot:
         robot.move_linear(raised(robot.pose().T_gripper2base, 5), FAST)
     assert tool_of(emulator) == TOOL
 
