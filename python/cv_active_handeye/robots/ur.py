@@ -29,7 +29,7 @@ from .ur_watch import PLAYING, ROBOT_MODES, RUNNING_MODE, Freshness, MoveWatch, 
 from .workspace import mm_text
 
 _OPEN_S, _CALL_S, _SHORT_S = 6.0, 4.0, 1.0
-_LEAVE_S = 8.0
+_LEAVE_S, _FINISH_S = 8.0, 3.0
 _WATCH_S = 0.01
 _STANDSTILL_S, _STANDING_RAD = 1.5, 1e-5
 _STOPPED_BY_CONTROLLER = {
@@ -160,13 +160,14 @@ class UrRobot:
             return
         self._closed = True
         self._stop_wanted.set()
-        if not self.live or self._give_tool(self._process):
+        if not self.live or self._give_tool(self._process) is None:
             self._process.finish(_LEAVE_S)
             return
         self._process.kill()
         self._process.finish(_SHORT_S)
-        if not self._give_tool_anew():
-            _log.error("%s: %s", self.name, self._tool_text())
+        hindered = self._give_tool_anew()
+        if hindered is not None:
+            _log.error("%s: %s (%s)", self.name, self._tool_text(), hindered)
 
     def __enter__(self) -> UrRobot:
         return self
@@ -254,30 +255,29 @@ class UrRobot:
             return T_tcp2base
         return np.asarray(T_tcp2base @ np.linalg.inv(self._facts.T_tcp2flange))
 
-    def _give_tool(self, process: UrProcess) -> bool:
+    def _give_tool(self, process: UrProcess) -> str | None:
+        """Restores the tool; returns None, or what hindered it."""
         try:
-            state = UrState.of(process.ask("state", deadline=_SHORT_S))
-            if state.runtime_state != PLAYING or not state.connected:
-                return False
-            return bool(process.ask("give_tool", self._tool, deadline=_CALL_S))
-        except (UrCallError, UrProcessLostError, ValueError):
-            return False
+            done = process.ask("give_tool", self._tool, deadline=_CALL_S)
+            return None if done else "the program on the controller has ended"
+        except (UrCallError, UrProcessLostError) as error:
+            return str(error)
 
-    def _give_tool_anew(self) -> bool:
+    def _give_tool_anew(self) -> str | None:
         """Restores the tool over connections of their own, where the first ones are lost and the controller allows."""
         try:
             _usable(self._config.host, live=True, ours=True)
-        except RobotUnavailableError:
-            return False
+        except RobotUnavailableError as error:
+            return str(error)
         process = UrProcess(self._config.host)
         try:
             process.ask("open_receive", deadline=_CALL_S)
-            process.ask("open_control", self._config.upper_registers, deadline=_CALL_S)
+            process.ask("open_control", self._config.upper_registers, deadline=_OPEN_S)
             return self._give_tool(process)
-        except (UrCallError, UrProcessLostError):
-            return False
+        except (UrCallError, UrProcessLostError) as error:
+            return str(error)
         finally:
-            process.finish(2.0)
+            process.finish(_FINISH_S)
 
     def _tool_text(self) -> str:
         return (
