@@ -116,7 +116,7 @@ class _Choice:
             _, chosen = self._choose(self._number_of_stops())
             poses = [self.views.poses[i] for i in chosen]
             groups = cah.groupViews([pose[:3, :3] for pose in poses]).reshape(-1).tolist()
-            order = order_stops(now.T_gripper2base, now.joints, now.arm, poses, groups, self.settings)
+            order = order_stops(now, poses, groups, self.settings)
             if not order.stranded:
                 return [poses[i] for i in order.visited]
             self._left_out |= {chosen[i] for i in order.stranded}

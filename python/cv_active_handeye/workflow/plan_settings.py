@@ -56,7 +56,7 @@ class PlanSettings(BaseModel):
     stops: int | None = Field(default=None, ge=4)
     target_sigma_mm: float | None = Field(default=None, gt=0)
     most_stops: int = Field(default=40, ge=8)
-    translation_mm: float = Field(default=60.0, gt=0)
+    translation_mm: float = Field(default=80.0, gt=0)
     tilt_deg: float = Field(default=25.0, gt=0, le=60)
     roll_deg: float = Field(default=180.0, ge=0, le=180)
     seen_share: float = Field(default=0.3, gt=0, le=1)

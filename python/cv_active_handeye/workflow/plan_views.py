@@ -20,7 +20,10 @@ Tilt = tuple[float, float]
 
 _STEP_M, _STEP_DEG = 0.04, 2.5  # between samples on the way to a possible view; chosen ways are checked closely
 _ROLLS_DEG = (0.0, 60.0, 120.0, 180.0)
-_TILTS = ((0, 0), (1, 0), (0, 1), (-1, 0), (0, -1), (0.7, 0.7), (-0.7, 0.7), (-0.7, -0.7), (0.7, -0.7))
+_TILTS = (
+    *((0, 0), (1, 0), (0, 1), (-1, 0), (0, -1), (0.7, 0.7), (-0.7, 0.7), (-0.7, -0.7), (0.7, -0.7)),
+    *((0.5, 0), (0, 0.5), (-0.5, 0), (0, -0.5)),
+)
 _PLACES = np.array([(0, 0, 0), (0, 0, 1), (0, 0, -1), *np.ndindex(2, 2, 2)], dtype=np.float64)
 _PLACES[3:] = 2 * _PLACES[3:] - 1
 _MIDDLE = np.zeros(3)
@@ -116,11 +119,15 @@ class _Grid:
         for roll in _ROLLS_DEG:
             if roll > self._settings.roll_deg or (side < 0 and roll in (0.0, 180.0)):
                 continue
+            middle = flange_pose(self._start, self._settings, (0, 0), side * roll, _MIDDLE)
             try:
-                joints = self._follow(joints, flange_pose(self._start, self._settings, (0, 0), side * roll, _MIDDLE))
-            except UnreachableError as error:
-                self.views.refuse("the arm", str(error), len(_PLACES) * len(_TILTS))
-                return
+                joints = self._follow(joints, middle)
+            except UnreachableError:
+                try:
+                    joints = self._anyhow(middle)
+                except UnreachableError as error:
+                    self.views.refuse("the arm", str(error), len(_PLACES) * len(_TILTS))
+                    continue
             for tilt in _TILTS:
                 self._add_orientation(tilt, side * roll, joints)
 
@@ -140,6 +147,11 @@ class _Grid:
                 self.views.refuse("the boxes", str(error))
             except UnreachableError as error:
                 self.views.refuse("the arm", str(error))
+
+    def _anyhow(self, pose: FloatArray) -> FloatArray | None:
+        """Joints for a pose to which no straight line leads from here; another stop's may."""
+        arm, joints = self._start.arm, self._start.joints
+        return None if arm is None or joints is None else arm.inverse(pose, near=joints)
 
     def _follow(self, joints: FloatArray | None, pose: FloatArray) -> FloatArray | None:
         if self._start.arm is None or joints is None:
