@@ -28,7 +28,7 @@ from .ur_process import UrCallError, UrProcess, UrProcessLostError
 from .ur_watch import PLAYING, ROBOT_MODES, RUNNING_MODE, Freshness, MoveWatch, UrState, check_state, safety_stop
 from .workspace import mm_text
 
-_OPEN_S, _CALL_S, _SHORT_S = 8.0, 4.0, 1.0
+_OPEN_S, _CALL_S, _SHORT_S = 6.0, 4.0, 1.0
 _LEAVE_S = 8.0
 _WATCH_S = 0.01
 _STANDSTILL_S, _STANDING_RAD = 1.5, 1e-5
@@ -59,8 +59,8 @@ class UrConfig(BaseModel):
 class UrRobot:
     """A UR arm. Speaks to one controller; every method may be called from any thread.
 
-    Deadlines: pose 2 s, check_reachable, is_steady and set_output 5 s, move_linear that of the move (twice its time
-    and some seconds) and 4 s to stop, stop 7 s, close 20 s, each also on a dead link.
+    Deadlines, also on a dead link: pose 3 s, check_reachable, is_steady and set_output 5 s, move_linear that of
+    `StraightMove` and 10 s to stop, stop 10 s, close 30 s; as much again where another thread's call is in the way.
     """
 
     def __init__(self, config: UrConfig, facts: UrFacts, process: UrProcess, tool: list[float] | None) -> None:
@@ -77,7 +77,7 @@ class UrRobot:
 
     @classmethod
     def connect(cls, config: UrConfig, *, live: bool) -> UrRobot:
-        """Connects within 25 s; RobotUnavailableError says what is in the way.
+        """Connects within 30 s; RobotUnavailableError says what is in the way.
 
         Without `live` only the stream of poses is opened. With it, ur_rtde's program is started on the controller, and
         the flange becomes the tool centre point until `close`.
@@ -271,7 +271,7 @@ class UrRobot:
             return False
         process = UrProcess(self._config.host)
         try:
-            process.ask("open_receive", deadline=_SHORT_S + 2.0)
+            process.ask("open_receive", deadline=_CALL_S)
             process.ask("open_control", self._config.upper_registers, deadline=_CALL_S)
             return self._give_tool(process)
         except (UrCallError, UrProcessLostError):
