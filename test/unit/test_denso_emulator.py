@@ -105,6 +105,17 @@ def test_pose_data_that_is_none_is_an_invalid_argument(pose: Value) -> None:
             session.move(pose)
 
 
+@pytest.mark.parametrize("mm", [1e9, 1e300])
+def test_target_very_far_away_is_out_of_range_at_once(mm: float) -> None:
+    with emulated_denso() as emulated, RawSession(emulated.port) as session:
+        session.ready()
+        began = time.monotonic()
+        with pytest.raises(BcapError) as caught:
+            session.move([[mm, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0], "P", "@E"])
+        assert caught.value.code == OUT_OF_RANGE
+        assert time.monotonic() - began < 1.0
+
+
 def test_conversions_agree_with_scipy_and_the_arms_kinematics() -> None:
     rng = np.random.default_rng(8)
     with emulated_denso() as emulated, RawSession(emulated.port) as session:
