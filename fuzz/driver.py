@@ -10,7 +10,7 @@ from pathlib import Path
 
 import atheris
 
-INPUT_S, MEMORY_MB, LONGEST = 5, 1024, 1 << 16
+INPUT_S, MEMORY_MB, LONGEST = 20, 1024, 1 << 16
 _ROOT = Path(__file__).parents[1]
 
 

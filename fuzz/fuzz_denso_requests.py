@@ -32,7 +32,7 @@ _connection = socket.socket()
 
 
 def opened() -> Session:
-    """A session with controller (handle 1), robot (2), variables (3, 4), arm taken, motor on; motions end at once."""
+    """Controller (handle 1), robot (2), variables (3, 4), arm taken, motor on; motions end at once."""
     session = Session(_controller, _connection)
     calls = [
         (Function.SERVICE_START, ("",)),

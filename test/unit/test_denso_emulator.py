@@ -105,6 +105,17 @@ def test_pose_data_that_is_none_is_an_invalid_argument(pose: Value) -> None:
             session.move(pose)
 
 
+@pytest.mark.parametrize("mm", [1e9, 1e300])
+def test_target_very_far_away_is_out_of_range_at_once(mm: float) -> None:
+    with emulated_denso() as emulated, RawSession(emulated.port) as session:
+        session.ready()
+        began = time.monotonic()
+        with pytest.raises(BcapError) as caught:
+            session.move([[mm, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0], "P", "@E"])
+        assert caught.value.code == OUT_OF_RANGE
+        assert time.monotonic() - began < 1.0
+
+
 def test_conversions_agree_with_scipy_and_the_arms_kinematics() -> None:
     rng = np.random.default_rng(8)
     with emulated_denso() as emulated, RawSession(emulated.port) as session:
@@ -148,6 +159,10 @@ def test_out_of_range_is_told_before_and_at_the_motion() -> None:
         text = session.client.call(execute, session.controller, "GetErrorDescription", OUT_OF_RANGE - (1 << 32))
         assert text == "the target is out of the motion range"
         session.client.call(execute, session.controller, "ClearError", None)
+        assert session.client.call(Function.VARIABLE_GET_VALUE, controller) == 0
+        with pytest.raises(BcapError):
+            session.move([p_from_matrix(far), "P", "@E"])
+        emulated.arm.clear()
         assert session.client.call(Function.VARIABLE_GET_VALUE, controller) == 0
 
 
@@ -231,6 +246,20 @@ def test_stop_condition_cuts_the_motor_and_refuses_motion_until_a_person_clears_
         with pytest.raises(BcapError) as caught:
             session.move(pose)
         assert caught.value.code == MOTOR_OFF
+
+
+def test_stop_condition_while_the_way_is_worked_out_keeps_the_motion_from_beginning() -> None:
+    with emulated_denso() as emulated, RawSession(emulated.port) as session:
+        session.ready()
+        far = moved(emulated.arm.reported_pose(), (0, 60, 0), (0, 20, 0))
+        pending = session.client.begin(Function.ROBOT_MOVE, session.robot, 2, [p_from_matrix(far), "P", "@E"], "")
+        while emulated.arm.log.of_kind("command")[-1]["name"] != "ROBOT_MOVE":
+            pass
+        emulated.arm.halt("protective stop")
+        with pytest.raises(BcapError):
+            pending.result(5.0)
+        begun = emulated.arm.log.of_kind("motion_begin")
+        assert len(begun) == 0 or begun[0]["time"] < emulated.arm.log.of_kind("stop_condition")[0]["time"]
 
 
 def test_commands_that_an_rc7_does_not_have_are_not_implemented() -> None:

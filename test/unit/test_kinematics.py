@@ -170,11 +170,14 @@ def test_follow_to_a_pose_out_of_reach_says_where_on_the_way() -> None:
         (np.full((4, 4), np.nan), "finite 4 x 4 matrix"),
         (np.diag([1.0, 1.0, -1.0, 1.0]), r"needs a rotation"),
         (np.diag([1.001, 1.0, 1.0, 1.0]), r"error of 0\.002"),
+        (np.eye(4) + np.eye(4)[[0]].T @ [[0, 0, 0, 1e9]], r"within 100 m of the base, got 1e\+09 m"),
     ],
 )
-def test_inverse_refuses_what_is_no_pose(pose: Array, text: str) -> None:
+def test_inverse_and_follow_refuse_what_is_no_pose(pose: Array, text: str) -> None:
     with pytest.raises(ValueError, match=text):
         UR5E.inverse(pose)
+    with pytest.raises(ValueError, match=text):
+        UR5E.follow(np.radians([0, -90, 90, -90, -90, 0]), pose)
 
 
 def test_arm_with_unknown_name_lists_the_known_ones() -> None:

@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 _STARTS = 96
 _ITERATIONS = 60
+_FARTHEST = 100.0  # metres: any straight line to there has few enough samples
 _CONVERGED = 1e-9  # metres and radians, before the final polish
 
 
@@ -214,6 +215,9 @@ def _checked(pose: Array) -> Array:
     pose = np.asarray(pose, dtype=np.float64)
     if pose.shape != (4, 4) or not np.isfinite(pose).all():
         raise ValueError(f"pose: needs a finite 4 x 4 matrix, got shape {pose.shape}")
+    far = np.abs(pose[:3, 3]).max()
+    if far > _FARTHEST:
+        raise ValueError(f"pose: needs a position within {_FARTHEST:g} m of the base, got {far:.3g} m")
     off = np.abs(pose[:3, :3].T @ pose[:3, :3] - np.eye(3)).max()
     if off > 1e-6 or np.linalg.det(pose[:3, :3]) < 0:
         raise ValueError(f"pose: needs a rotation (R^T R = I to 1e-6, det = +1), got an error of {off:.2g}")

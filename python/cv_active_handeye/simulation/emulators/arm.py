@@ -102,6 +102,8 @@ class EmulatedArm:
         self.halt_deceleration = 2.0
         """How hard a motion that is cancelled brakes, m/s^2; a client's stop command may set it."""
         self.stop_condition: str | None = None
+        self.clears = 0
+        """How many times a person has cleared the controller."""
         self.faults = Faults(log) if faults is None else faults
         self.faults.subscribe(self._fault)
         self._errors = RobotErrors(cell, _KEY)
@@ -206,6 +208,7 @@ class EmulatedArm:
 
         The way is checked before it begins. `cancel` brakes with `halt_deceleration`.
         """
+        asked = time.monotonic()
         with self._busy:
             start = self._stand.commanded
             self._check_target()
@@ -214,16 +217,18 @@ class EmulatedArm:
             except ValueError as error:
                 raise EmulatorStop("unreachable", str(error)) from error
             length, angle = step_size(self.arm.forward(start), T_flange)
-            self._run(joints, max(length, _LEVER * np.radians(angle)), speed, acceleration, cancel)
+            length = max(length, _LEVER * np.radians(angle))
+            self._run(joints, length, speed, acceleration, cancel, asked)
 
     def move_joints(self, q: Array, speed: float, acceleration: float, cancel: threading.Event) -> None:
         """Moves all joints to q (6,) together, the fastest at rad/s and rad/s^2; otherwise as `move_linear`."""
+        asked = time.monotonic()
         with self._busy:
             start, end = self._stand.commanded, np.asarray(q, dtype=np.float64)
             self._check_target()
             if end.shape != (6,) or not np.isfinite(end).all() or (self.arm.limit_margin(end) < 0).any():
                 raise EmulatorStop("unreachable", f"{self.arm.name}: joints {end} are not within the limits")
-            self._run(np.stack([start, end]), float(np.abs(end - start).max()), speed, acceleration, cancel)
+            self._run(np.stack([start, end]), float(np.abs(end - start).max()), speed, acceleration, cancel, asked)
 
     def set_output(self, pin: int, on: bool) -> None:
         """Switches a digital output; ValueError where there is no such pin."""
@@ -246,6 +251,7 @@ class EmulatedArm:
         """The person at the pendant clears every stop condition and fault."""
         with self._lock:
             self.stop_condition = None
+            self.clears += 1
         self.faults.clear()
         self.log.add("cleared")
 
@@ -260,16 +266,20 @@ class EmulatedArm:
         if self.faults.take("unreachable"):
             raise EmulatorStop("unreachable", "the controller finds no joint solution (fault)")
 
-    def _run(self, joints: Array, length: float, speed: float, acceleration: float, cancel: threading.Event) -> None:
-        """Moves along joints (N, 6), equally spaced on a way of `length`."""
+    def _run(
+        self, joints: Array, length: float, speed: float, acceleration: float, cancel: threading.Event, asked: float
+    ) -> None:
+        """Moves along joints (N, 6), equally spaced on a way of `length`; `asked`: when the command came."""
         if speed <= 0 or acceleration <= 0:
             raise EmulatorStop("unreachable", f"speed and acceleration need to be > 0, given {speed}, {acceleration}")
         speed *= self.faults.value("slow_motion") or 1.0
         with self._lock:
+            if self.stop_condition is not None:  # since the way was checked
+                raise EmulatorStop(self.stop_condition)
             self._motions += 1
             profile = Profile.trapezoid(length, speed, acceleration)
             self._motion = _Motion(joints, np.linspace(0, 1, len(joints)), length, profile, self.now)
-            self.log.add("motion_begin", motion=self._motions, length_m=length)
+            self.log.add("motion_begin", motion=self._motions, length_m=length, asked=asked)
         reason = self._wait(self._motion, self._motions, cancel)
         with self._lock:
             end = joints[-1] if reason is None else self._motion.at(self.now)

@@ -33,7 +33,8 @@ class EventLog:
     """Events in their order; may be written to from any thread.
 
     Every event has `time` (`time.monotonic` of this machine, s), `kind` and what belongs to the kind: command: name,
-    args; motion_begin, motion_end: motion (count), and at the end arrived, length_m; fault: name, value;
+    args; motion_begin: motion (count), length_m, asked (when the command came: finding the joints of the way takes
+    time); motion_end: motion, arrived, stop; fault: name, value;
     stop_condition: reason; output: pin, on; violation: text; connect, disconnect: service, peer.
     """
 
@@ -91,7 +92,7 @@ def moves_after_stop(events: Iterable[Event], grace: float = 0.0) -> list[Event]
             stopped = event["time"]
         elif event["kind"] == "cleared":
             stopped = None
-        elif stopped is not None and event["time"] > stopped + grace:
+        elif stopped is not None and (event["asked"] if "asked" in event else event["time"]) > stopped + grace:
             refused = event["kind"] == "violation" and event.get("refused_motion", False)
             if event["kind"] == "motion_begin" or refused:
                 found.append(event)

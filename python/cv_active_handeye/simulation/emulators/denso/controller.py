@@ -36,7 +36,7 @@ class DensoController:
         self._lock = threading.RLock()
         self._owner: object | None = None
         self._motor = self._speed_set = False
-        self._errors: list[int] = []
+        self._error, self._error_clears = 0, 0
         self._cancel = threading.Event()
         self._frozen: tuple[float, Array] | None = None
 
@@ -92,12 +92,12 @@ class DensoController:
         if condition is not None:
             return signed(STOPPED[condition])
         with self._lock:
-            return signed(self._errors[-1]) if self._errors else 0
+            return signed(self._error) if self._error_clears == self.arm.clears else 0
 
     def clear_errors(self) -> None:
         """ClearError; what a person has to clear stays."""
         with self._lock:
-            self._errors.clear()
+            self._error = 0
 
     def cut_motor(self) -> None:
         """Power goes off and has to be switched on again."""
@@ -182,7 +182,7 @@ class DensoController:
         if stop.reason in STOPPED:
             return Refusal(STOPPED[stop.reason])
         with self._lock:
-            self._errors.append(OUT_OF_RANGE)
+            self._error, self._error_clears = OUT_OF_RANGE, self.arm.clears
         return Refusal(OUT_OF_RANGE)
 
     def _tool_frame(self) -> Array:
