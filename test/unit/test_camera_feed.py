@@ -149,7 +149,8 @@ def test_command_follows_an_emulator_until_it_ends(arm: EmulatedArm, tmp_path: P
             with basler.connect(basler_config(folder)) as camera:
                 np.testing.assert_array_equal(camera.grab().image, expected(arm))
             control.close()
-            output = process.communicate(timeout=10)[0]
+            output = process.stdout.read()
+            process.wait(10)
         finally:
             process.kill()
     assert process.returncode == 0
