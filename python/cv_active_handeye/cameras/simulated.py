@@ -13,7 +13,7 @@ from pydantic import Field
 
 from ..dataset import Image
 from .base import Camera, CameraError, Frame
-from .common import DeviceConfig, OpenCamera, checked_frame
+from .common import OpenCamera, StrictConfig, checked_frame
 
 if TYPE_CHECKING:
     from ..simulation import SimulatedCell
@@ -21,16 +21,18 @@ if TYPE_CHECKING:
     from ..simulation.emulators import ArmState
 
 
-class SimulatedCameraConfig(DeviceConfig):
+class SimulatedCameraConfig(StrictConfig):
     """host, port: the control port of an emulator (`cv-active-handeye emulate`), which also says which cell it is.
 
-    laser_pin: the digital output of the robot that switches the laser; None = the camera's own line does.
+    laser_pin: the digital output of the robot that switches the laser; None = the camera's own line does. timeout_s:
+    for an answer of the emulator.
     """
 
     type: Literal["sim"] = "sim"
     host: str = "127.0.0.1"
     port: int = Field(default=30020, ge=1, le=65535)
     laser_pin: int | None = Field(default=None, ge=0)
+    timeout_s: float = Field(default=5.0, gt=0, le=60, allow_inf_nan=False)
 
 
 def connect(config: SimulatedCameraConfig) -> Camera:
