@@ -74,6 +74,15 @@ def test_laser_by_an_output_of_the_robot(arm: EmulatedArm) -> None:
             camera.set_line(True)
 
 
+def test_laser_that_is_not_there_is_refused(arm: EmulatedArm, port: int) -> None:
+    with pytest.raises(CameraError, match=r"laser_pin: the robot has the outputs \[0, 1, .* 7\], given 8"):
+        open_camera(SimulatedCameraConfig(port=port, laser_pin=8))
+    dark = SimulatedCell(CELL.model_copy(update={"laser": False}))
+    dark.scene = SCENE.scene
+    with SimulatedCamera(dark, arm.state) as camera, pytest.raises(CameraError, match="its cell has no laser"):
+        camera.set_line(True)
+
+
 def test_moving_arm_is_seen_where_it_is(arm: EmulatedArm) -> None:
     """Poses on the way from one stop to the next have the index of the stop before."""
     states = []
@@ -81,7 +90,7 @@ def test_moving_arm_is_seen_where_it_is(arm: EmulatedArm) -> None:
         state = arm.state()
         state.T_true[0, 3] += 0.005 * i
         states.append(replace(state, moving=True))
-    shown = iter(states)
+    shown = iter([arm.state(), *states])  # the camera looks once when it is opened
     with SimulatedCamera(SCENE, lambda: next(shown)) as camera:
         frames = [camera.grab().image for _ in states]
     for i, state in enumerate(states):

@@ -44,9 +44,14 @@ def connect(config: SimulatedCameraConfig) -> Camera:
         raise CameraError(f"simulated camera: {error}; pip install 'cv_active_handeye[sim]'") from error
     try:
         link = EmulatorLink(config.host, config.port, config.timeout_s)
-        return SimulatedCamera(SimulatedCell(link.cell()), link.state, laser_pin=config.laser_pin, release=link.close)
     except EmulatorLinkError as error:
         raise CameraError(f"simulated camera: {error}") from error
+    try:
+        cell = SimulatedCell(link.cell())
+        return SimulatedCamera(cell, link.state, laser_pin=config.laser_pin, release=link.close)
+    except (CameraError, EmulatorLinkError) as error:
+        link.close()
+        raise CameraError(str(error) if isinstance(error, CameraError) else f"simulated camera: {error}") from error
 
 
 class SimulatedCamera(OpenCamera):
@@ -69,6 +74,9 @@ class SimulatedCamera(OpenCamera):
         self._state, self._laser_pin, self._release = state, laser_pin, release
         self._line = False
         self._lock = threading.Lock()
+        pins = state().outputs
+        if laser_pin is not None and laser_pin not in pins:
+            raise CameraError(f"simulated camera: laser_pin: the robot has the outputs {list(pins)}, given {laser_pin}")
 
     def _expose(self) -> Frame:
         from ..simulation.emulators import EmulatorLinkError
@@ -78,14 +86,16 @@ class SimulatedCamera(OpenCamera):
             state = self._state()
         except EmulatorLinkError as error:
             raise CameraError(f"simulated camera: {error}") from error
-        on = self._line if self._laser_pin is None else state.outputs.get(self._laser_pin, False)
+        on = self._line if self._laser_pin is None else state.outputs[self._laser_pin]
         with self._lock:
             return checked_frame(self._eye.expose(state, laser_on=on), None, requested)
 
     def set_line(self, on: bool) -> None:
-        """Switches the laser; CameraError where an output of the robot does."""
+        """Switches the laser; CameraError where an output of the robot does, or where there is none."""
         if self._laser_pin is not None:
             raise CameraError(f"simulated camera: its laser is switched by the robot's output {self._laser_pin}")
+        if on and not self._eye.cell.config.laser:
+            raise CameraError("simulated camera: its cell has no laser")
         self._line = on
 
     def close(self) -> None:
