@@ -47,7 +47,7 @@ def port(arm: EmulatedArm) -> Iterator[int]:
 @pytest.fixture
 def feed(port: int, tmp_path: Path) -> Iterator[CameraFeed]:
     link, end = EmulatorLink(port=port), threading.Event()
-    feed = CameraFeed(link, tmp_path, PIN)
+    feed = CameraFeed(link, SCENE, tmp_path, PIN)
     feed.begin()
     thread = threading.Thread(target=feed.run, args=(end,))
     thread.start()
@@ -118,7 +118,7 @@ def test_another_output_and_an_emulated_fault_are_followed_too(
 
 def test_feed_that_ends_lets_go_of_the_arm(arm: EmulatedArm, port: int, tmp_path: Path) -> None:
     with EmulatorLink(port=port) as link:
-        feed = CameraFeed(link, tmp_path, PIN)
+        feed = CameraFeed(link, SCENE, tmp_path, PIN)
         feed.begin()
         step(arm, 1.0)
         assert not arm.steady()
@@ -149,7 +149,8 @@ def test_command_follows_an_emulator_until_it_ends(arm: EmulatedArm, tmp_path: P
             with basler.connect(basler_config(folder)) as camera:
                 np.testing.assert_array_equal(camera.grab().image, expected(arm))
             control.close()
-            output = process.communicate(timeout=10)[0]
+            output = process.stdout.read()
+            process.wait(10)
         finally:
             process.kill()
     assert process.returncode == 0
@@ -168,6 +169,13 @@ def test_command_tells_what_is_wrong_with_its_control_port(arguments: tuple[str,
     outcome = run("emulate", "camera", *arguments)
     assert outcome.exit_code == 2
     assert told in outcome.output
+
+
+def test_command_wants_an_output_that_the_arm_has(port: int, tmp_path: Path) -> None:
+    control = ("--control", f"127.0.0.1:{port}")
+    outcome = run("emulate", "camera", *control, "--folder", tmp_path / "frames", "--laser-pin", "8")
+    assert outcome.exit_code == 2
+    assert "--laser-pin: needs one of [0, 1, 2, 3, 4, 5, 6, 7], given 8" in " ".join(outcome.output.split())
 
 
 def test_command_wants_a_folder_of_its_own(port: int, tmp_path: Path) -> None:

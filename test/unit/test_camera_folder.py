@@ -71,8 +71,9 @@ def test_configuration_is_chosen_by_its_type() -> None:
     assert adapter.validate_python({"type": "basler", "serial": "1"}) == BaslerCameraConfig(serial="1")
     with pytest.raises(ValidationError, match="Input tag 'webcam' found using 'type' does not match"):
         adapter.validate_python({"type": "webcam"})
-    with pytest.raises(ValidationError, match="Extra inputs are not permitted"):
-        adapter.validate_python({"type": "basler", "serail": "1"})
+    for content in ({"type": "basler", "serail": "1"}, {"type": "folder", "folder": ".", "retries": 1}):
+        with pytest.raises(ValidationError, match="Extra inputs are not permitted"):
+            adapter.validate_python(content)
 
 
 def test_missing_vendor_library_is_told_with_its_extra() -> None:

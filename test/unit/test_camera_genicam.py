@@ -7,6 +7,7 @@ from __future__ import annotations
 import time
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -86,7 +87,7 @@ def test_file_that_is_no_producer_is_told(tmp_path: Path) -> None:
 class FailingAcquirer:
     """An acquirer whose first frames are damaged or missing, around a real one."""
 
-    def __init__(self, real: object, faults: list[str]) -> None:
+    def __init__(self, real: Any, faults: list[str]) -> None:
         self._real, self._faults = real, faults
 
     def __getattr__(self, name: str) -> object:
@@ -103,7 +104,7 @@ class FailingAcquirer:
         if fault == "unplugged":
             self.stop = self._lost
             raise OSError("device lost")
-        buffer = self._real.try_fetch(timeout=timeout)  # type: ignore[attr-defined]  # harvesters has no types
+        buffer = self._real.try_fetch(timeout=timeout)
         return SimpleNamespace(is_complete=lambda: False, queue=buffer.queue) if fault == "damaged" else buffer
 
 

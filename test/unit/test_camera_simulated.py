@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -73,20 +74,29 @@ def test_laser_by_an_output_of_the_robot(arm: EmulatedArm) -> None:
             camera.set_line(True)
 
 
+def test_laser_that_is_not_there_is_refused(arm: EmulatedArm, port: int) -> None:
+    with pytest.raises(CameraError, match=r"laser_pin: the robot has the outputs \[0, 1, .* 7\], given 8"):
+        open_camera(SimulatedCameraConfig(port=port, laser_pin=8))
+    dark = SimulatedCell(CELL.model_copy(update={"laser": False}))
+    dark.scene = SCENE.scene
+    with SimulatedCamera(dark, arm.state) as camera, pytest.raises(CameraError, match="its cell has no laser"):
+        camera.set_line(True)
+
+
 def test_moving_arm_is_seen_where_it_is(arm: EmulatedArm) -> None:
-    with SimulatedCamera(SCENE, arm.state) as camera:
-        still = camera.grab().image
-        mover = threading.Thread(target=step, args=(arm, 0.10))
-        mover.start()
-        while not arm.moving:
-            pass
-        frames = [camera.grab().image for _ in range(3)]
-        assert arm.moving
-        mover.join()
-        end = camera.grab().image
-    differences = [np.abs(image.astype(float) - still).mean() for image in (*frames, end)]
-    assert differences == sorted(differences)
-    assert differences[0] < differences[-1]
+    """Poses on the way from one stop to the next have the index of the stop before."""
+    states = []
+    for i in range(4):
+        state = arm.state()
+        state.T_true[0, 3] += 0.005 * i
+        states.append(replace(state, moving=True))
+    shown = iter([arm.state(), *states])  # the camera looks once when it is opened
+    with SimulatedCamera(SCENE, lambda: next(shown)) as camera:
+        frames = [camera.grab().image for _ in states]
+    for i, state in enumerate(states):
+        np.testing.assert_array_equal(frames[i], SCENE.expose(SCENE.light(state.T_true, 0)[0], 0, i))
+    changes = [np.abs(frame.astype(float) - frames[0]).mean() for frame in frames]
+    assert changes == sorted(changes)
 
 
 def test_fault_that_moves_the_true_pose_is_seen_without_a_new_stop(arm: EmulatedArm) -> None:

@@ -24,14 +24,18 @@ from .base import CameraError, Frame
 Opened = TypeVar("Opened")
 
 
-class DeviceConfig(BaseModel):
-    """Settings of every camera; keys that are not listed are refused.
+class StrictConfig(BaseModel):
+    """Settings of a camera; keys that are not listed are refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class DeviceConfig(StrictConfig):
+    """Settings of every real camera.
 
     timeout_s: for one frame; retries: how often a damaged or missing frame is taken again, so that `grab` returns
     within (1 + retries) * timeout_s. open_timeout_s: for finding and opening the device.
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     timeout_s: float = Field(default=2.0, gt=0, le=60, allow_inf_nan=False)
     retries: int = Field(default=2, ge=0, le=20)

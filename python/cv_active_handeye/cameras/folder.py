@@ -14,12 +14,12 @@ import numpy as np
 from ..dataset import Image
 from ..dataset_format import CameraInfo
 from .base import Camera, CameraError, Frame
-from .common import DeviceConfig, OpenCamera, checked_frame, pixel_format_of
+from .common import OpenCamera, StrictConfig, checked_frame, pixel_format_of
 
 SUFFIXES = (".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".ppm")
 
 
-class FolderCameraConfig(DeviceConfig):
+class FolderCameraConfig(StrictConfig):
     """folder: all its images (`SUFFIXES`) are shown once, sorted by name; they keep their bit depth and channels."""
 
     type: Literal["folder"] = "folder"

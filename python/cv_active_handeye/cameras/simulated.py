@@ -13,7 +13,7 @@ from pydantic import Field
 
 from ..dataset import Image
 from .base import Camera, CameraError, Frame
-from .common import DeviceConfig, OpenCamera, checked_frame
+from .common import OpenCamera, StrictConfig, checked_frame
 
 if TYPE_CHECKING:
     from ..simulation import SimulatedCell
@@ -21,16 +21,18 @@ if TYPE_CHECKING:
     from ..simulation.emulators import ArmState
 
 
-class SimulatedCameraConfig(DeviceConfig):
+class SimulatedCameraConfig(StrictConfig):
     """host, port: the control port of an emulator (`cv-active-handeye emulate`), which also says which cell it is.
 
-    laser_pin: the digital output of the robot that switches the laser; None = the camera's own line does.
+    laser_pin: the digital output of the robot that switches the laser; None = the camera's own line does. timeout_s:
+    for an answer of the emulator.
     """
 
     type: Literal["sim"] = "sim"
     host: str = "127.0.0.1"
     port: int = Field(default=30020, ge=1, le=65535)
     laser_pin: int | None = Field(default=None, ge=0)
+    timeout_s: float = Field(default=5.0, gt=0, le=60, allow_inf_nan=False)
 
 
 def connect(config: SimulatedCameraConfig) -> Camera:
@@ -42,9 +44,14 @@ def connect(config: SimulatedCameraConfig) -> Camera:
         raise CameraError(f"simulated camera: {error}; pip install 'cv_active_handeye[sim]'") from error
     try:
         link = EmulatorLink(config.host, config.port, config.timeout_s)
-        return SimulatedCamera(SimulatedCell(link.cell()), link.state, laser_pin=config.laser_pin, release=link.close)
     except EmulatorLinkError as error:
         raise CameraError(f"simulated camera: {error}") from error
+    try:
+        cell = SimulatedCell(link.cell())
+        return SimulatedCamera(cell, link.state, laser_pin=config.laser_pin, release=link.close)
+    except (CameraError, EmulatorLinkError) as error:
+        link.close()
+        raise CameraError(str(error) if isinstance(error, CameraError) else f"simulated camera: {error}") from error
 
 
 class SimulatedCamera(OpenCamera):
@@ -67,6 +74,9 @@ class SimulatedCamera(OpenCamera):
         self._state, self._laser_pin, self._release = state, laser_pin, release
         self._line = False
         self._lock = threading.Lock()
+        pins = state().outputs
+        if laser_pin is not None and laser_pin not in pins:
+            raise CameraError(f"simulated camera: laser_pin: the robot has the outputs {list(pins)}, given {laser_pin}")
 
     def _expose(self) -> Frame:
         from ..simulation.emulators import EmulatorLinkError
@@ -76,14 +86,16 @@ class SimulatedCamera(OpenCamera):
             state = self._state()
         except EmulatorLinkError as error:
             raise CameraError(f"simulated camera: {error}") from error
-        on = self._line if self._laser_pin is None else state.outputs.get(self._laser_pin, False)
+        on = self._line if self._laser_pin is None else state.outputs[self._laser_pin]
         with self._lock:
             return checked_frame(self._eye.expose(state, laser_on=on), None, requested)
 
     def set_line(self, on: bool) -> None:
-        """Switches the laser; CameraError where an output of the robot does."""
+        """Switches the laser; CameraError where an output of the robot does, or where there is none."""
         if self._laser_pin is not None:
             raise CameraError(f"simulated camera: its laser is switched by the robot's output {self._laser_pin}")
+        if on and not self._eye.cell.config.laser:
+            raise CameraError("simulated camera: its cell has no laser")
         self._line = on
 
     def close(self) -> None:

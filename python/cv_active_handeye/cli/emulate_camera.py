@@ -45,14 +45,18 @@ def camera(control: Control = "127.0.0.1:30020", folder: Folder = Path("frames")
 
 
 def _follow(link: EmulatorLink, folder: Path, laser_pin: int, ended: threading.Event) -> None:
+    from ..simulation import SimulatedCell
     from ..simulation.emulators import EmulatorLinkError
     from ..simulation.emulators.camera_feed import CameraFeed, pylon_features
 
     _check_folder(folder)
-    feed = CameraFeed(link, folder, laser_pin)
-    info = feed.info
     lines = [f"{name}: {value}" for name, value in pylon_features(folder).items()]
     try:
+        pins = link.state().outputs
+        if laser_pin not in pins:
+            raise typer.BadParameter(f"needs one of {list(pins)}, given {laser_pin}", param_hint="--laser-pin")
+        feed = CameraFeed(link, SimulatedCell(link.cell()), folder, laser_pin)
+        info = feed.info
         feed.begin()
         print_lines(f"ready camera {info.width} x {info.height} {info.pixel_format}", *lines)
         feed.run(ended)

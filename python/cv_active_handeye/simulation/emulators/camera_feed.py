@@ -34,14 +34,15 @@ def pylon_features(folder: Path) -> dict[str, str]:
 class CameraFeed:
     """Follows one arm. While it moves, the file shows its last stop."""
 
-    def __init__(self, link: EmulatorLink, folder: Path, laser_pin: int) -> None:
-        """folder: must exist and should hold nothing else; laser_pin: the output that switches the laser.
+    def __init__(self, link: EmulatorLink, cell: SimulatedCell, folder: Path, laser_pin: int) -> None:
+        """cell: the emulator's (`link.cell()`); folder: must exist and should hold nothing else; laser_pin: the output
+        that switches the laser, one that the arm has.
 
         Builds the scene, which takes some seconds.
         """
         self._link, self._laser_pin = link, laser_pin
         self._file = folder / FILE_NAME
-        self._eye = StopEye(SimulatedCell(link.cell()))
+        self._eye = StopEye(cell)
         self._shown: tuple[int, int, bytes] | None = None
 
     @property
@@ -77,7 +78,7 @@ class CameraFeed:
 
     def _write(self, state: ArmState) -> None:
         """Replaces the file; no fsync, it is only looked at."""
-        image = self._eye.image(state, state.switchings, laser_on=state.outputs.get(self._laser_pin, False))
+        image = self._eye.image(state, state.switchings, laser_on=state.outputs[self._laser_pin])
         temporary = self._file.with_suffix(".tmp")
         temporary.write_bytes(cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, 1])[1].tobytes())
         os.replace(temporary, self._file)
