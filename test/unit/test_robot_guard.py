@@ -61,6 +61,17 @@ def test_way_through_a_no_go_box_is_refused_before_anything_moves() -> None:
     assert "move_linear" not in robot.calls
 
 
+def test_turn_whose_sense_is_not_certain_is_refused() -> None:
+    robot, target = ScriptedRobot(), at(30)
+    target[:3, :3] = Rotation.from_euler("z", 179, degrees=True).as_matrix()
+    with pytest.raises(MoveRefusedError, match=r"may turn by 150 deg.* this one turns by 179.0 deg"):
+        guarded(robot).move_to(target)
+    assert robot.targets == []
+    target[:3, :3] = Rotation.from_euler("z", 149, degrees=True).as_matrix()
+    guarded(robot).move_to(target)
+    np.testing.assert_allclose(robot.T, target, atol=1e-12)
+
+
 def test_tool_point_that_leaves_the_box_is_refused_though_the_flange_stays_inside() -> None:
     robot = ScriptedRobot()
     camera = BOX.model_copy(update={"tool_points_mm": ((0.0, 0.0, 100.0),)})

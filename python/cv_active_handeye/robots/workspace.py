@@ -14,6 +14,8 @@ from .kinematics import SerialArm, UnreachableError, straight_line
 Point = tuple[float, float, float]
 
 _STEP_M, _STEP_DEG = 0.005, 1.0  # between the poses of a path that are checked
+LARGEST_TURN_DEG = 150.0
+"""Of one straight way."""
 _WITHIN = 0.99  # of a cap: where a move ends differs a little from where it was to end
 
 
@@ -80,7 +82,16 @@ class Workspace(BaseModel):
             )
 
     def check_path(self, start: Array, end: Array) -> None:
-        """`check_pose` all along the straight line between two flange poses (4, 4), every 5 mm and 1 deg."""
+        """`check_pose` all along the straight line between two flange poses (4, 4), every 5 mm and 1 deg.
+
+        A turn near 180 deg is refused: in which sense it goes would depend on the last digit of the poses.
+        """
+        angle = step_size(start, end)[1]
+        if angle > LARGEST_TURN_DEG:
+            raise MoveRefusedError(
+                f"workspace: a straight way may turn by {LARGEST_TURN_DEG:g} deg, so that its sense is certain; this one "
+                f"turns by {angle:.1f} deg and needs a stop in between"
+            )
         for pose in straight_line(start, end, _STEP_M, _STEP_DEG):
             self.check_pose(pose)
 
