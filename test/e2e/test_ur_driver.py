@@ -169,6 +169,18 @@ def test_target_that_the_controller_cannot_reach_stops_the_program_and_nothing_m
     assert tool_of(emulator) == TOOL
 
 
+@pytest.mark.parametrize("fault", ["program_stopped", "protective_stop", "drop_link"])
+def test_question_to_a_program_that_has_ended_is_a_stop_and_no_answer(emulator: UrEmulatorProcess, fault: str) -> None:
+    for question in ("check_reachable", "is_steady"):
+        with live(emulator) as robot:
+            here = robot.pose().T_gripper2base
+            emulator.link.fault(fault)
+            with pytest.raises(RobotStoppedError):
+                robot.check_reachable(here) if question == "check_reachable" else robot.is_steady()
+            emulator.link.clear()
+        assert tool_of(emulator) == TOOL
+
+
 def moved_so_far(emulator: UrEmulatorProcess) -> int:
     return sum(event["kind"] == "motion_begin" for event in read_events(emulator.log))
 
