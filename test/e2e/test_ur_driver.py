@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 from support.ur_emulator import UrEmulatorProcess
 
 from cv_active_handeye.robots.base import (
@@ -29,6 +30,7 @@ from cv_active_handeye.robots.base import (
 )
 from cv_active_handeye.robots.straight_move import ARRIVED_M
 from cv_active_handeye.robots.ur import UrConfig, UrRobot, connect
+from cv_active_handeye.robots.ur_pose import pose_vector
 from cv_active_handeye.robots.workspace import step_size
 from cv_active_handeye.simulation.emulators import moves_after_stop, read_events
 
@@ -63,6 +65,12 @@ def raised(pose: Array, mm: float) -> Array:
     return out
 
 
+def through_pi(R: Array) -> Array:
+    """The rotation on the other side of the angle pi about the same axis, 3 deg beyond it."""
+    vector = Rotation.from_matrix(R).as_rotvec()
+    return Rotation.from_rotvec(vector / np.linalg.norm(vector) * np.radians(183)).as_matrix()
+
+
 def tool_of(emulator: UrEmulatorProcess) -> list[float]:
     """The tool centre point that was set last, by the log."""
     found = [e["args"] for e in emulator.events() if e["kind"] == "command" and e["name"] == "setTcp"]
@@ -85,8 +93,11 @@ def test_pose_without_live_is_the_flange_and_starts_no_program(emulator: UrEmula
 
 def test_three_moves_arrive_and_the_tool_is_given_back(emulator: UrEmulatorProcess) -> None:
     with live(emulator) as robot:
-        for mm in (20, 10, 30):
-            target = raised(robot.pose().T_gripper2base, mm)
+        start = robot.pose().T_gripper2base
+        turned = start.copy()
+        turned[:3, :3] = through_pi(start[:3, :3])
+        assert np.dot(pose_vector(start)[3:], pose_vector(turned)[3:]) < 0  # the vector changes its sign on the way
+        for target in (raised(start, 20), raised(turned, 10), raised(start, 30)):
             robot.check_reachable(target)
             robot.move_linear(target, FAST)
             assert step_size(robot.pose().T_gripper2base, target)[0] < ARRIVED_M
