@@ -24,8 +24,8 @@ from .kinematics import ARMS
 from .straight_move import StraightMove
 from .ur_pose import pose_vector
 from .ur_probe import UrFacts
-from .ur_process import UrCallError, UrProcess, UrProcessLostError
-from .ur_watch import PLAYING, ROBOT_MODES, RUNNING_MODE, Freshness, MoveWatch, UrState, check_state, safety_stop
+from .ur_process import UrCallError, UrProcess, UrProcessLostError, told
+from .ur_watch import Freshness, MoveWatch, UrState, check_state
 from .workspace import mm_text
 
 _OPEN_S, _CALL_S, _SHORT_S = 6.0, 4.0, 1.0
@@ -82,7 +82,7 @@ class UrRobot:
         Without `live` only the stream of poses is opened. With it, ur_rtde's program is started on the controller, and
         the flange becomes the tool centre point until `close`.
         """
-        facts = _usable(config.host, live)
+        facts = ur_probe.usable(config.host, live)
         process = UrProcess(config.host)
         try:
             process.ask("open_receive", deadline=_OPEN_S)
@@ -92,7 +92,7 @@ class UrRobot:
                 tool = [float(x) for x in process.ask("take_tool", deadline=_CALL_S)]
         except (UrCallError, UrProcessLostError) as error:
             process.finish(_LEAVE_S)
-            raise RobotUnavailableError(_told(config, error)) from error
+            raise RobotUnavailableError(told(config.host, config.upper_registers, error)) from error
         except BaseException:
             process.finish(_LEAVE_S)
             raise
@@ -107,7 +107,7 @@ class UrRobot:
         """Asks the controller's kinematics and safety limits about a pose (4, 4), when live; MoveRefusedError."""
         if not self.live:
             return
-        if not self._ask("reachable", pose_vector(T_gripper2base), deadline=_CALL_S):
+        if not self._ask_program("reachable", pose_vector(T_gripper2base)):
             raise MoveRefusedError(
                 f"{self.name}: the controller says that the flange cannot be at {mm_text(T_gripper2base[:3, 3])} mm: "
                 "out of the arm's reach or of its safety limits"
@@ -118,20 +118,20 @@ class UrRobot:
         if not self.live:
             raise MoveRefusedError(f"{self.name}: was not opened to be moved (live)")
         with self._moving:
+            self._check_latch()
             try:
                 self._move(np.asarray(T_gripper2base, dtype=np.float64), speed)
             except RobotStoppedError as error:
-                raise self._halted(error) from error
-            except MoveRefusedError:
-                raise
-            except BaseException:
-                self._halted(RobotStoppedError(Reason.OPERATOR, "the program was interrupted"))
+                raise self._halted(error) from error.__cause__
+            except BaseException as error:
+                reason = Reason.OPERATOR if isinstance(error, KeyboardInterrupt) else Reason.CONTROLLER_ERROR
+                self._halted(RobotStoppedError(reason, f"the move was ended by {type(error).__name__} {error}"))
                 raise
 
     def is_steady(self) -> bool:
         """Whether the controller says that the arm is at rest; when not live, whether its pose stands for 50 ms."""
         if self.live:
-            return bool(self._ask("steady", deadline=_CALL_S))
+            return self._ask_program("steady")
         first = self._fresh_state()
         time.sleep(0.05)
         return bool(np.abs(self._fresh_state().joints - first.joints).max() < 1e-5)
@@ -149,7 +149,7 @@ class UrRobot:
         if not self._ask("output", pin, on, deadline=_CALL_S):
             raise RobotError(f"{self.name}: the controller refuses to switch output {pin}")
         deadline = time.monotonic() + 0.5
-        while bool(self._state().outputs >> pin & 1) != on:
+        while bool(self._fresh_state().outputs >> pin & 1) != on:
             if time.monotonic() > deadline:
                 raise RobotError(f"{self.name}: output {pin} did not change: is another program or safety in charge")
             time.sleep(_WATCH_S)
@@ -178,8 +178,6 @@ class UrRobot:
         self.close()
 
     def _move(self, target: Array, speed: Speed) -> None:
-        if self._stopped is not None:
-            raise self._stopped
         before = self._fresh_state()
         check_state(before, live=True)
         watch = MoveWatch(StraightMove(before.pose, target), speed, time.monotonic(), self._config.freshness_s)
@@ -187,7 +185,7 @@ class UrRobot:
         if self._stop_wanted.is_set():
             raise RobotStoppedError(Reason.OPERATOR, "a stop was asked for")
         if not self._ask("move", pose_vector(target), v, a, deadline=_CALL_S):
-            check_state(self._state(), live=True)
+            check_state(self._fresh_state(), live=True)
             raise RobotStoppedError(Reason.CONTROLLER_ERROR, "the controller did not begin the move; see the pendant")
         while not watch.arrived(self._state(), time.monotonic()):
             if self._stop_wanted.wait(_WATCH_S):
@@ -196,9 +194,9 @@ class UrRobot:
     def _halted(self, error: RobotStoppedError) -> RobotStoppedError:
         """Stops the arm by all means there are; returns the first reason, which is kept."""
         with self._latch:
-            if self._stopped is not None:
+            if self._stopped is not None and not self._process.alive:
                 return self._stopped
-            self._stopped = error
+            error = self._stopped = self._stopped or error
         if not self._brought_to_rest(error.reason):
             self._process.kill()
             told = ur_probe.stop_without_rtde(self._config.host, self._facts)
@@ -250,6 +248,22 @@ class UrRobot:
         except UrCallError as error:
             raise RobotError(f"{self.name}: {call}: {error}") from error
 
+    def _ask_program(self, call: str, *arguments: object) -> bool:
+        """An answer of our program on the controller; a no is believed only while that runs and the link stands."""
+        self._check_latch()
+        answer = bool(self._ask(call, *arguments, deadline=_CALL_S))
+        if not answer:
+            try:
+                check_state(self._fresh_state(), live=True)
+            except RobotStoppedError as error:
+                raise self._halted(error) from error.__cause__
+        return answer
+
+    def _check_latch(self) -> None:
+        """RobotStoppedError where the arm was stopped before."""
+        if self._stopped is not None:
+            raise self._stopped
+
     def _flange(self, T_tcp2base: Array) -> Array:
         if self.live or self._facts.T_tcp2flange is None:
             return T_tcp2base
@@ -266,7 +280,7 @@ class UrRobot:
     def _give_tool_anew(self) -> str | None:
         """Restores the tool over connections of their own, where the first ones are lost and the controller allows."""
         try:
-            _usable(self._config.host, live=True, ours=True)
+            ur_probe.usable(self._config.host, live=True, ours=True)
         except RobotUnavailableError as error:
             return str(error)
         process = UrProcess(self._config.host)
@@ -289,47 +303,6 @@ class UrRobot:
 def connect(config: UrConfig, *, live: bool) -> UrRobot:
     """See `UrRobot.connect`."""
     return UrRobot.connect(config, live=live)
-
-
-def _usable(host: str, live: bool, ours: bool = False) -> UrFacts:
-    """What the controller says of itself, if it can be used; `ours`: a program that runs there was begun by us."""
-    facts = ur_probe.ask_rtde(host)
-    if not live:
-        if facts.T_tcp2flange is None:
-            version = ".".join(map(str, facts.version[:3]))
-            raise RobotUnavailableError(
-                f"{host}: PolyScope {version} does not tell its tool centre point, so that the flange is only known "
-                "when live"
-            )
-        return facts
-    ur_probe.check_program_port(host)
-    ur_probe.check_remote(host, facts)
-    stop = safety_stop(facts.safety_bits)
-    if stop is not None:
-        raise RobotUnavailableError(f"{host}: {stop[0].value}: {stop[1]}")
-    if facts.robot_mode != RUNNING_MODE:
-        mode = ROBOT_MODES.get(facts.robot_mode, str(facts.robot_mode))
-        raise RobotUnavailableError(f"{host}: the robot's mode is '{mode}': power it on and release its brakes")
-    if facts.runtime_state == PLAYING and not ours:
-        raise RobotUnavailableError(
-            f"{host}: a program runs on the controller, somebody's or one that a lost connection left behind: stop it "
-            "at the pendant"
-        )
-    return facts
-
-
-def _told(config: UrConfig, error: UrCallError | UrProcessLostError) -> str:
-    """What hindered ur_rtde, for a person."""
-    text = str(error)
-    if isinstance(error, UrCallError) and error.missing is not None:
-        return f"ur_rtde is not installed ({error.missing}): pip install 'cv_active_handeye[ur]'"
-    if "in use" in text.lower() or "IN_USE" in text or "fieldbus" in text.lower():
-        cure = "disable it, or set upper_registers" if not config.upper_registers else "disable it"
-        return (
-            f"{config.host}: the RTDE registers belong to a fieldbus (EtherNet/IP, PROFINET, MODBUS) or to another "
-            f"client: {cure} ({text})"
-        )
-    return f"{config.host}: ur_rtde cannot use the controller: {text}"
 
 
 def _text(error: RobotStoppedError) -> str:
