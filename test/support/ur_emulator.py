@@ -5,9 +5,11 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -24,14 +26,21 @@ class UrEmulatorProcess:
         self.host = f"127.{1 + os.getpid() // 250 % 250}.{1 + os.getpid() % 250}.{number}"
         self.log = folder / f"emulator{number}.jsonl"
         command = [sys.executable, "-c", _COMMAND, "emulate", "ur", "--host", self.host, "--control-port", "0"]
-        self.process = subprocess.Popen(
-            [*command, "--log", str(self.log), *options], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-        )
-        assert self.process.stdout is not None
-        self.ready = self.process.stdout.readline()
-        assert self.ready.startswith("ready UR controller"), self.ready + self.process.stdout.read()
+        self._output = folder / f"emulator{number}.txt"  # a pipe that nobody reads would fill and stop the emulator
+        with self._output.open("w") as output:
+            options = ("--log", str(self.log), *options)
+            self.process = subprocess.Popen([*command, *options], stdout=output, stderr=subprocess.STDOUT)
+        self.ready = self._wait_until_ready()
         self.link = EmulatorLink(self.host, int(self.ready.rsplit(":", 1)[1]))
         self._first = 0
+
+    def _wait_until_ready(self) -> str:
+        deadline = time.monotonic() + 30
+        while not (found := re.search(r"^ready UR controller.*\n", self._output.read_text(), re.MULTILINE)):
+            assert self.process.poll() is None, self._output.read_text()
+            assert time.monotonic() < deadline
+            time.sleep(0.02)
+        return found[0]
 
     def begin(self) -> None:
         """The person at the pendant clears everything; `events` begin here."""
@@ -49,8 +58,8 @@ class UrEmulatorProcess:
         self.link.close()
         self.process.send_signal(signal.SIGTERM)
         self.process.send_signal(signal.SIGINT)
-        output, _ = self.process.communicate(timeout=20)
-        return output
+        self.process.wait(timeout=20)
+        return self._output.read_text()
 
     def __enter__(self) -> UrEmulatorProcess:
         return self
@@ -60,5 +69,5 @@ class UrEmulatorProcess:
     ) -> None:
         if self.process.poll() is None:
             self.process.kill()
-            self.process.communicate(timeout=20)
+            self.process.wait(timeout=20)
         self.link.close()

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import ipaddress
 import signal
+import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
-from queue import SimpleQueue
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -30,6 +30,8 @@ app.add_typer(
     help="Acts as a robot's controller on this machine, to practise without a robot. Ctrl-C ends it.",
 )
 command = command_of(emulators)
+
+_END_S = 0.05  # between looks whether somebody has ended the emulator
 
 Host = Annotated[str, typer.Option(help="Address to listen on: 127.0.0.1, or 127.0.0.2, ... for several emulators.")]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of the simulated cell and of the arm's errors.")]
@@ -177,13 +179,14 @@ def serve(
     """Opens a controller's ports (`open_ports()`, a context manager) and the control port, until somebody ends it."""
     from ..simulation.emulators import ControlPort
 
-    ended: SimpleQueue[None] = SimpleQueue()  # its put may be interrupted by a second signal, an Event's set may not
-    previous = {number: signal.signal(number, lambda *_: ended.put(None)) for number in (signal.SIGINT, signal.SIGTERM)}
+    ended: list[bool] = []  # no lock: a second signal may come while the first is being handled
+    previous = {n: signal.signal(n, lambda *_: ended.append(True)) for n in (signal.SIGINT, signal.SIGTERM)}
     try:
         with open_ports():
-            control = ControlPort(arm, host, control_port, lambda: ended.put(None))
+            control = ControlPort(arm, host, control_port, lambda: ended.append(True))
             print_lines(f"ready {name} on {host}, {arm.arm.name}, control {host}:{control.port}")
-            ended.get()
+            while not ended:
+                time.sleep(_END_S)
             control.close()
     except OSError as error:
         raise typer.BadParameter(f"{host}: {error}", param_hint="--host") from error

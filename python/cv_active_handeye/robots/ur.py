@@ -24,12 +24,12 @@ from .kinematics import ARMS
 from .straight_move import StraightMove
 from .ur_pose import pose_vector
 from .ur_probe import UrFacts
-from .ur_process import UrCallError, UrProcess, UrProcessLostError
-from .ur_watch import PLAYING, ROBOT_MODES, RUNNING_MODE, Freshness, MoveWatch, UrState, check_state, safety_stop
+from .ur_process import UrCallError, UrProcess, UrProcessLostError, told
+from .ur_watch import Freshness, MoveWatch, UrState, check_state
 from .workspace import mm_text
 
 _OPEN_S, _CALL_S, _SHORT_S = 6.0, 4.0, 1.0
-_LEAVE_S = 8.0
+_LEAVE_S, _FINISH_S = 8.0, 3.0
 _WATCH_S = 0.01
 _STANDSTILL_S, _STANDING_RAD = 1.5, 1e-5
 _STOPPED_BY_CONTROLLER = {
@@ -82,7 +82,7 @@ class UrRobot:
         Without `live` only the stream of poses is opened. With it, ur_rtde's program is started on the controller, and
         the flange becomes the tool centre point until `close`.
         """
-        facts = _usable(config.host, live)
+        facts = ur_probe.usable(config.host, live)
         process = UrProcess(config.host)
         try:
             process.ask("open_receive", deadline=_OPEN_S)
@@ -92,7 +92,7 @@ class UrRobot:
                 tool = [float(x) for x in process.ask("take_tool", deadline=_CALL_S)]
         except (UrCallError, UrProcessLostError) as error:
             process.finish(_LEAVE_S)
-            raise RobotUnavailableError(_told(config, error)) from error
+            raise RobotUnavailableError(told(config.host, config.upper_registers, error)) from error
         except BaseException:
             process.finish(_LEAVE_S)
             raise
@@ -107,7 +107,7 @@ class UrRobot:
         """Asks the controller's kinematics and safety limits about a pose (4, 4), when live; MoveRefusedError."""
         if not self.live:
             return
-        if not self._ask("reachable", pose_vector(T_gripper2base), deadline=_CALL_S):
+        if not self._ask_program("reachable", pose_vector(T_gripper2base)):
             raise MoveRefusedError(
                 f"{self.name}: the controller says that the flange cannot be at {mm_text(T_gripper2base[:3, 3])} mm: "
                 "out of the arm's reach or of its safety limits"
@@ -131,7 +131,7 @@ class UrRobot:
     def is_steady(self) -> bool:
         """Whether the controller says that the arm is at rest; when not live, whether its pose stands for 50 ms."""
         if self.live:
-            return bool(self._ask("steady", deadline=_CALL_S))
+            return self._ask_program("steady")
         first = self._fresh_state()
         time.sleep(0.05)
         return bool(np.abs(self._fresh_state().joints - first.joints).max() < 1e-5)
@@ -160,13 +160,14 @@ class UrRobot:
             return
         self._closed = True
         self._stop_wanted.set()
-        if not self.live or self._give_tool(self._process):
+        if not self.live or self._give_tool(self._process) is None:
             self._process.finish(_LEAVE_S)
             return
         self._process.kill()
         self._process.finish(_SHORT_S)
-        if not self._give_tool_anew():
-            _log.error("%s: %s", self.name, self._tool_text())
+        hindered = self._give_tool_anew()
+        if hindered is not None:
+            _log.error("%s: %s (%s)", self.name, self._tool_text(), hindered)
 
     def __enter__(self) -> UrRobot:
         return self
@@ -186,7 +187,7 @@ class UrRobot:
         if self._stop_wanted.is_set():
             raise RobotStoppedError(Reason.OPERATOR, "a stop was asked for")
         if not self._ask("move", pose_vector(target), v, a, deadline=_CALL_S):
-            check_state(self._state(), live=True)
+            check_state(self._fresh_state(), live=True)
             raise RobotStoppedError(Reason.CONTROLLER_ERROR, "the controller did not begin the move; see the pendant")
         while not watch.arrived(self._state(), time.monotonic()):
             if self._stop_wanted.wait(_WATCH_S):
@@ -249,35 +250,44 @@ class UrRobot:
         except UrCallError as error:
             raise RobotError(f"{self.name}: {call}: {error}") from error
 
+    def _ask_program(self, call: str, *arguments: object) -> bool:
+        """An answer of our program on the controller; a no is believed only while that runs and the link stands."""
+        answer = bool(self._ask(call, *arguments, deadline=_CALL_S))
+        if not answer:
+            try:
+                check_state(self._fresh_state(), live=True)
+            except RobotStoppedError as error:
+                raise self._halted(error) from error
+        return answer
+
     def _flange(self, T_tcp2base: Array) -> Array:
         if self.live or self._facts.T_tcp2flange is None:
             return T_tcp2base
         return np.asarray(T_tcp2base @ np.linalg.inv(self._facts.T_tcp2flange))
 
-    def _give_tool(self, process: UrProcess) -> bool:
+    def _give_tool(self, process: UrProcess) -> str | None:
+        """Restores the tool; returns None, or what hindered it."""
         try:
-            state = UrState.of(process.ask("state", deadline=_SHORT_S))
-            if state.runtime_state != PLAYING or not state.connected:
-                return False
-            return bool(process.ask("give_tool", self._tool, deadline=_CALL_S))
-        except (UrCallError, UrProcessLostError, ValueError):
-            return False
+            done = process.ask("give_tool", self._tool, deadline=_CALL_S)
+            return None if done else "the program on the controller has ended"
+        except (UrCallError, UrProcessLostError) as error:
+            return str(error)
 
-    def _give_tool_anew(self) -> bool:
+    def _give_tool_anew(self) -> str | None:
         """Restores the tool over connections of their own, where the first ones are lost and the controller allows."""
         try:
-            _usable(self._config.host, live=True, ours=True)
-        except RobotUnavailableError:
-            return False
+            ur_probe.usable(self._config.host, live=True, ours=True)
+        except RobotUnavailableError as error:
+            return str(error)
         process = UrProcess(self._config.host)
         try:
             process.ask("open_receive", deadline=_CALL_S)
-            process.ask("open_control", self._config.upper_registers, deadline=_CALL_S)
+            process.ask("open_control", self._config.upper_registers, deadline=_OPEN_S)
             return self._give_tool(process)
-        except (UrCallError, UrProcessLostError):
-            return False
+        except (UrCallError, UrProcessLostError) as error:
+            return str(error)
         finally:
-            process.finish(2.0)
+            process.finish(_FINISH_S)
 
     def _tool_text(self) -> str:
         return (
@@ -289,47 +299,6 @@ class UrRobot:
 def connect(config: UrConfig, *, live: bool) -> UrRobot:
     """See `UrRobot.connect`."""
     return UrRobot.connect(config, live=live)
-
-
-def _usable(host: str, live: bool, ours: bool = False) -> UrFacts:
-    """What the controller says of itself, if it can be used; `ours`: a program that runs there was begun by us."""
-    facts = ur_probe.ask_rtde(host)
-    if not live:
-        if facts.T_tcp2flange is None:
-            version = ".".join(map(str, facts.version[:3]))
-            raise RobotUnavailableError(
-                f"{host}: PolyScope {version} does not tell its tool centre point, so that the flange is only known "
-                "when live"
-            )
-        return facts
-    ur_probe.check_program_port(host)
-    ur_probe.check_remote(host, facts)
-    stop = safety_stop(facts.safety_bits)
-    if stop is not None:
-        raise RobotUnavailableError(f"{host}: {stop[0].value}: {stop[1]}")
-    if facts.robot_mode != RUNNING_MODE:
-        mode = ROBOT_MODES.get(facts.robot_mode, str(facts.robot_mode))
-        raise RobotUnavailableError(f"{host}: the robot's mode is '{mode}': power it on and release its brakes")
-    if facts.runtime_state == PLAYING and not ours:
-        raise RobotUnavailableError(
-            f"{host}: a program runs on the controller, somebody's or one that a lost connection left behind: stop it "
-            "at the pendant"
-        )
-    return facts
-
-
-def _told(config: UrConfig, error: UrCallError | UrProcessLostError) -> str:
-    """What hindered ur_rtde, for a person."""
-    text = str(error)
-    if isinstance(error, UrCallError) and error.missing is not None:
-        return f"ur_rtde is not installed ({error.missing}): pip install 'cv_active_handeye[ur]'"
-    if "in use" in text.lower() or "IN_USE" in text or "fieldbus" in text.lower():
-        cure = "disable it, or set upper_registers" if not config.upper_registers else "disable it"
-        return (
-            f"{config.host}: the RTDE registers belong to a fieldbus (EtherNet/IP, PROFINET, MODBUS) or to another "
-            f"client: {cure} ({text})"
-        )
-    return f"{config.host}: ur_rtde cannot use the controller: {text}"
 
 
 def _text(error: RobotStoppedError) -> str:

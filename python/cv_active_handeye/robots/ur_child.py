@@ -15,6 +15,7 @@ import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, TextIO
@@ -24,7 +25,8 @@ _VARIABLES = [
     *("robot_mode", "runtime_state", "safety_status_bits"),
 ]
 _FREQUENCY = 125.0
-_LEAVE_S = 8.0
+_LEAVE_S, _BEGIN_S = 8.0, 1.0
+_PLAYING = 2
 _STOP = 2.0  # m/s^2
 _READS = 20
 
@@ -51,14 +53,19 @@ class Interfaces:
 
         flags = Control.FLAG_UPLOAD_SCRIPT | (Control.FLAG_UPPER_RANGE_REGISTERS if upper_registers else 0)
         self._control = Control(self._host, _FREQUENCY, flags)
+        deadline = time.monotonic() + _BEGIN_S
+        while self._receive.getRuntimeState() != _PLAYING:  # the other stream may be a package behind
+            if time.monotonic() > deadline:
+                raise RuntimeError("the controller does not run the program that was sent to it")
+            time.sleep(0.005)
 
     def state(self) -> dict[str, Any]:
         """All of one package: the time before and after must be the same."""
         r = self._receive
         for _ in range(_READS):
-            time = r.getTimestamp()
+            stamp = r.getTimestamp()
             out = {
-                "time": time,
+                "time": stamp,
                 "pose": list(r.getActualTCPPose()),
                 "joints": list(r.getActualQ()),
                 "safety_bits": r.getSafetyStatusBits(),
@@ -67,7 +74,7 @@ class Interfaces:
                 "outputs": r.getActualDigitalOutputBits(),
                 "speed_scaling": r.getSpeedScaling(),
             }
-            if r.getTimestamp() == time:
+            if r.getTimestamp() == stamp:
                 break
         out["connected"] = r.isConnected() and (self._control is None or self._control.isConnected())
         out["moving"] = self._control is not None and self._moving()
@@ -85,6 +92,8 @@ class Interfaces:
 
     def give_tool(self, tool: list[float]) -> bool:
         """Makes `tool` the active tool centre point again; whether the controller says so."""
+        if not self._control.isConnected() or not self._control.isProgramRunning():
+            return False
         done = bool(self._control.setTcp(tool)) and all(
             abs(a - b) < 1e-9 for a, b in zip(self._control.getTCPOffset(), tool, strict=True)
         )

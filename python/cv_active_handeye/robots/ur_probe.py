@@ -18,6 +18,7 @@ from . import rtde_packets as rtde
 from .base import Array, RobotUnavailableError
 from .rtde_packets import Packet, PacketError, PacketReader, Recipe, Value
 from .ur_pose import pose_matrix
+from .ur_watch import PLAYING, ROBOT_MODES, RUNNING_MODE, safety_stop
 
 RTDE_PORT, PROGRAM_PORT, DASHBOARD_PORT = 30004, 30003, 29999
 CONNECT_S, ANSWER_S = 2.0, 1.0
@@ -42,6 +43,36 @@ class UrFacts:
     def has_dashboard(self) -> bool:
         """PolyScope X (10) has none."""
         return self.version[0] < 10
+
+
+def usable(host: str, live: bool, ours: bool = False) -> UrFacts:
+    """What the controller says of itself; RobotUnavailableError, within 15 s, where it cannot be used.
+
+    live: whether it is to be moved. ours: a program that runs there was begun by us and may be replaced.
+    """
+    facts = ask_rtde(host)
+    if not live:
+        if facts.T_tcp2flange is None:
+            version = ".".join(map(str, facts.version[:3]))
+            raise RobotUnavailableError(
+                f"{host}: PolyScope {version} does not tell its tool centre point, so that the flange is only known "
+                "when live"
+            )
+        return facts
+    check_program_port(host)
+    check_remote(host, facts)
+    stop = safety_stop(facts.safety_bits)
+    if stop is not None:
+        raise RobotUnavailableError(f"{host}: {stop[0].value}: {stop[1]}")
+    if facts.robot_mode != RUNNING_MODE:
+        mode = ROBOT_MODES.get(facts.robot_mode, str(facts.robot_mode))
+        raise RobotUnavailableError(f"{host}: the robot's mode is '{mode}': power it on and release its brakes")
+    if facts.runtime_state == PLAYING and not ours:
+        raise RobotUnavailableError(
+            f"{host}: a program runs on the controller, somebody's or one that a lost connection left behind: stop it "
+            "at the pendant"
+        )
+    return facts
 
 
 def ask_rtde(host: str) -> UrFacts:

@@ -118,3 +118,17 @@ class UrProcess:
             for line in self._process.stdout:
                 self._answers.put(json.loads(line))
         self._answers.put(None)
+
+
+def told(host: str, upper_registers: bool, error: UrCallError | UrProcessLostError) -> str:
+    """What hindered ur_rtde from connecting to `host`, for a person."""
+    text = str(error)
+    if isinstance(error, UrCallError) and error.missing is not None:
+        return f"ur_rtde is not installed ({error.missing}): pip install 'cv_active_handeye[ur]'"
+    if "in use" in text.lower() or "IN_USE" in text or "fieldbus" in text.lower():
+        cure = "disable it, or set upper_registers" if not upper_registers else "disable it"
+        return (
+            f"{host}: the RTDE registers belong to a fieldbus (EtherNet/IP, PROFINET, MODBUS) or to another "
+            f"client: {cure} ({text})"
+        )
+    return f"{host}: ur_rtde cannot use the controller: {text}"

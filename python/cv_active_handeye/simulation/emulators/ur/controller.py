@@ -128,12 +128,17 @@ class UrController:
         self.registers.write_inputs(values)
 
     def start_program(self, text: str) -> None:
-        """A program on the program port; only ur_rtde's control program is known, nothing runs in local control."""
-        first = text.split("\n", 1)[0]
+        """A program on the program port; ur_rtde's control program and one that only stops are known.
+
+        Any program ends the one that runs; none begins in local control.
+        """
+        first, *body = [line.strip() for line in text.strip().split("\n")]
+        self.arm.log.add("command", name="program", args=[first[:60]])
         if not text.startswith("def rtde_control()"):
-            self.arm.log.add("violation", text=f"the program {first[:60]!r} is not known to this emulator")
+            self.stop_program()
+            if not all(line == "end" or line.startswith(("stopl(", "stopj(")) for line in body):
+                self.arm.log.add("violation", text=f"the program {first[:60]!r} is not known to this emulator")
             return
-        self.arm.log.add("command", name="program", args=[first])
         if not self.remote or self.arm.stop_condition is not None:
             self.arm.log.add("violation", text="a program was sent to a controller that cannot run one")
             return

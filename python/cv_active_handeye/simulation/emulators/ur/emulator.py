@@ -21,6 +21,7 @@ class UrEmulator:
 
     def __init__(self, arm: EmulatedArm, host: str = "127.0.0.1", version: str = "5.11") -> None:
         """Begins to listen; OSError where a port is taken. Several emulators: addresses 127.0.0.2, 127.0.0.3, ..."""
+        self.host = host
         self.controller = controller = UrController(arm, version)
         claims = Claims()
         self._servers = [
