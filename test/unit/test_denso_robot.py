@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import _thread
 import threading
 import time
 from typing import Any
@@ -199,6 +200,24 @@ def test_stop_from_another_thread_halts_the_move_for_good() -> None:
             robot.move_linear(start, FAST)
         robot.stop()
         assert len(emulated.arm.log.of_kind("motion_begin")) == 1
+
+
+def test_ctrl_c_during_a_move_halts_it_for_good() -> None:
+    with emulated_denso(speedup=1.0) as emulated, connect(emulated.config(), live=True) as robot:
+        start = start_of(robot)
+
+        def press() -> None:
+            running(emulated)
+            _thread.interrupt_main()
+
+        presser = threading.Thread(target=press)
+        presser.start()
+        with pytest.raises(RobotStoppedError, match="operator: interrupted") as caught:
+            robot.move_linear(moved(start, (0, 60, 0)), Speed())
+        presser.join()
+        assert isinstance(caught.value.__cause__, KeyboardInterrupt)
+        assert not emulated.arm.moving
+        assert emulated.commands()[-1] == "ROBOT_HALT"
 
 
 def test_close_during_a_move_halts_it_first() -> None:
