@@ -23,7 +23,12 @@ from cv_active_handeye.robots.base import (
     Speed,
     StopReason,
 )
+from cv_active_handeye.robots.bcap import BcapError
+from cv_active_handeye.robots.bcap_codes import Function
+from cv_active_handeye.robots.bcap_packets import Value
 from cv_active_handeye.robots.denso import DensoConfig, connect
+from cv_active_handeye.robots.denso_link import halt_anew
+from cv_active_handeye.robots.denso_pose import p_from_matrix
 from cv_active_handeye.robots.kinematics import straight_line
 from cv_active_handeye.simulation.emulators import moves_after_stop
 
@@ -168,6 +173,53 @@ def test_arm_that_is_faster_than_its_settings_say_is_stopped() -> None:
         with pytest.raises(RobotStoppedError, match=r"off the path.*0\.05 m/s were commanded: full_speed_m_s = 2"):
             robot.move_linear(moved(start_of(robot), (0, 100, 0)), Speed())
         assert emulated.arm.log.of_kind("motion_end")[0]["arrived"] is False
+
+
+def test_arm_that_leaves_the_line_is_halted(monkeypatch: pytest.MonkeyPatch) -> None:
+    with emulated_denso(speedup=1.0) as emulated, connect(emulated.config(), live=True) as robot:
+        target = moved(start_of(robot), (0, 40, 0))
+        true_reading = emulated.arm.reported_pose
+        monkeypatch.setattr(
+            emulated.arm, "reported_pose", lambda: moved(true_reading(), (0, 0, 3 if emulated.arm.moving else 0))
+        )
+        with pytest.raises(RobotStoppedError, match=r"off the path: 3\.00 mm from the line"):
+            robot.move_linear(target, FAST)
+        assert emulated.arm.log.of_kind("motion_end")[0]["arrived"] is False
+
+
+def test_motor_that_an_emergency_stop_between_moves_has_switched_off_is_not_switched_on_again() -> None:
+    with emulated_denso() as emulated, connect(emulated.config(), live=True) as robot:
+        start = start_of(robot)
+        robot.move_linear(moved(start, (0, 2, 0)), FAST)
+        emulated.arm.faults.set("emergency_stop")
+        emulated.arm.clear()
+        with pytest.raises(RobotStoppedError, match="program stopped: the motor was switched off"):
+            robot.move_linear(start, FAST)
+        assert emulated.commands().count("Motor") == 1
+        assert len(emulated.arm.log.of_kind("motion_begin")) == 1
+
+
+def test_close_after_a_lost_link_says_what_could_not_be_restored(caplog: pytest.LogCaptureFixture) -> None:
+    with emulated_denso() as emulated:
+        robot = connect(emulated.config(), live=True)
+        emulated.arm.faults.set("drop_link")
+        began = time.monotonic()
+        robot.close()
+        robot.close()
+        assert time.monotonic() - began < 3.0
+    told = [record.getMessage() for record in caplog.records]
+    assert told == [f"{robot.name}: could not be restored, do it at the pendant: Motor, GiveArm"]
+
+
+def test_halt_anew_stops_the_motion_of_another_connection() -> None:
+    with emulated_denso(speedup=1.0) as emulated, RawSession(emulated.port) as mover:
+        mover.ready(0.2)
+        pose: Value = [p_from_matrix(moved(emulated.arm.reported_pose(), (0, 40, 0))), "P", "@E"]
+        pending = mover.client.begin(Function.ROBOT_MOVE, mover.robot, 2, pose, "")
+        running(emulated)
+        halt_anew("127.0.0.1", emulated.port, "rc8")
+        with pytest.raises(BcapError, match="E_ABORT"):
+            pending.result(2.0)
 
 
 def test_move_that_takes_too_long_is_halted_at_its_deadline() -> None:
