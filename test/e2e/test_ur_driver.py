@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 from support.ur_emulator import UrEmulatorProcess
 
 from cv_active_handeye.robots.base import (
@@ -29,6 +30,7 @@ from cv_active_handeye.robots.base import (
 )
 from cv_active_handeye.robots.straight_move import ARRIVED_M
 from cv_active_handeye.robots.ur import UrConfig, UrRobot, connect
+from cv_active_handeye.robots.ur_pose import pose_vector
 from cv_active_handeye.robots.workspace import step_size
 from cv_active_handeye.simulation.emulators import moves_after_stop, read_events
 
@@ -63,6 +65,12 @@ def raised(pose: Array, mm: float) -> Array:
     return out
 
 
+def through_pi(R: Array) -> Array:
+    """The rotation on the other side of the angle pi about the same axis, 3 deg beyond it."""
+    vector = Rotation.from_matrix(R).as_rotvec()
+    return Rotation.from_rotvec(vector / np.linalg.norm(vector) * np.radians(183)).as_matrix()
+
+
 def tool_of(emulator: UrEmulatorProcess) -> list[float]:
     """The tool centre point that was set last, by the log."""
     found = [e["args"] for e in emulator.events() if e["kind"] == "command" and e["name"] == "setTcp"]
@@ -85,8 +93,11 @@ def test_pose_without_live_is_the_flange_and_starts_no_program(emulator: UrEmula
 
 def test_three_moves_arrive_and_the_tool_is_given_back(emulator: UrEmulatorProcess) -> None:
     with live(emulator) as robot:
-        for mm in (20, 10, 30):
-            target = raised(robot.pose().T_gripper2base, mm)
+        start = robot.pose().T_gripper2base
+        turned = start.copy()
+        turned[:3, :3] = through_pi(start[:3, :3])
+        assert np.dot(pose_vector(start)[3:], pose_vector(turned)[3:]) < 0  # the vector changes its sign on the way
+        for target in (raised(start, 20), raised(turned, 10), raised(start, 30)):
             robot.check_reachable(target)
             robot.move_linear(target, FAST)
             assert step_size(robot.pose().T_gripper2base, target)[0] < ARRIVED_M
@@ -169,16 +180,23 @@ def test_target_that_the_controller_cannot_reach_stops_the_program_and_nothing_m
     assert tool_of(emulator) == TOOL
 
 
-@pytest.mark.parametrize("fault", ["program_stopped", "protective_stop", "drop_link"])
+@pytest.mark.parametrize("fault", ["program_stopped", "drop_link"])
 def test_question_to_a_program_that_has_ended_is_a_stop_and_no_answer(emulator: UrEmulatorProcess, fault: str) -> None:
-    for question in ("check_reachable", "is_steady"):
-        with live(emulator) as robot:
-            here = robot.pose().T_gripper2base
-            emulator.link.fault(fault)
-            with pytest.raises(RobotStoppedError):
-                robot.check_reachable(here) if question == "check_reachable" else robot.is_steady()
-            emulator.link.clear()
-        assert tool_of(emulator) == TOOL
+    with live(emulator) as robot:
+        here = robot.pose().T_gripper2base
+        emulator.link.fault(fault)
+        with pytest.raises(RobotStoppedError):
+            robot.is_steady() if fault == "drop_link" else robot.check_reachable(here)
+    assert tool_of(emulator) == TOOL
+
+
+def test_connect_without_ur_rtde_names_the_extra(
+    emulator: UrEmulatorProcess, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "rtde_receive.py").write_text("raise ModuleNotFoundError('no such module', name='rtde_receive')")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    with pytest.raises(RobotUnavailableError, match=r"pip install 'cv_active_handeye\[ur\]'"):
+        connect(UrConfig(host=emulator.host), live=False)
 
 
 def moved_so_far(emulator: UrEmulatorProcess) -> int:
@@ -208,6 +226,30 @@ def test_stop_from_another_thread_ends_a_move_and_latches(emulator: UrEmulatorPr
         assert step_size(start, robot.pose().T_gripper2base)[0] < 0.085
         with pytest.raises(RobotStoppedError):
             robot.move_linear(start, FAST)
+    assert tool_of(emulator) == TOOL
+
+
+def test_ctrl_c_in_a_move_stops_the_arm_and_gives_the_tool_back(emulator: UrEmulatorProcess) -> None:
+    with live(emulator) as robot:
+        target = raised(robot.pose().T_gripper2base, 90)
+        threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+        with pytest.raises(KeyboardInterrupt):
+            robot.move_linear(target, Speed(metres_per_second=0.03))
+    assert [e["arrived"] for e in emulator.events() if e["kind"] == "motion_end"] == [False]
+    assert tool_of(emulator) == TOOL
+
+
+def test_ur_rtde_that_hangs_is_given_up_within_the_deadline_and_the_tool_comes_back(
+    emulator: UrEmulatorProcess,
+) -> None:
+    robot = live(emulator)
+    os.kill(robot._process._process.pid, signal.SIGSTOP)
+    began = time.monotonic()
+    with pytest.raises(RobotStoppedError, match=r"link lost: .*no answer within 1 s"):
+        robot.pose()
+    assert time.monotonic() - began < 3.0
+    robot.close()
+    assert time.monotonic() - began < 10.0
     assert tool_of(emulator) == TOOL
 
 

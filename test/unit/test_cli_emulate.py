@@ -30,7 +30,7 @@ def test_list_faults_names_all_with_their_default_values() -> None:
         (["--host", "robot"], "needs an address such as 127.0.0.1"),
         (["--version", "5.99"], "needs one of 3.15"),
         (["--fault", "earthquake"], "protective_stop"),
-        (["--robot", "r2d2"], "ur5e"),
+        (["--robot", "denso_vp6242"], "needs ur5e, given denso_vp6242"),
         (["--speedup", "0"], "0.1"),
     ],
 )

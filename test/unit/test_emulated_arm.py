@@ -215,6 +215,15 @@ def test_stop_in_the_middle_of_a_motion_keeps_the_arm_until_it_is_cleared(name: 
     assert [event["arrived"] for event in arm.log.of_kind("motion_end")] == [False, True]
 
 
+def test_motion_that_was_cancelled_before_it_began_leaves_no_trace() -> None:
+    arm, cancel = emulated(), threading.Event()
+    cancel.set()
+    with pytest.raises(EmulatorStop, match="cancelled: before the motion began"):
+        arm.move_linear(moved(arm.reported_pose(), (0, 0, 5)), 0.1, 1.0, cancel)
+    assert arm.stop_index == 0
+    assert not arm.log.events
+
+
 def test_moves_after_stop_finds_a_motion_that_begins_after_a_lost_link() -> None:
     arm = emulated()
     arm.faults.set("drop_link")

@@ -183,3 +183,20 @@ def test_inverse_and_follow_refuse_what_is_no_pose(pose: Array, text: str) -> No
 def test_arm_with_unknown_name_lists_the_known_ones() -> None:
     with pytest.raises(ValueError, match=r"needs one of \['denso_vp6242', .*'ur5e'\], got 'kuka'"):
         arm("kuka")
+
+
+@pytest.mark.parametrize(
+    ("name", "position_mm"),
+    [
+        ("ur3e", (-456.75, -223.15, 66.5)),
+        ("ur5e", (-817.2, -232.9, 62.8)),
+        ("ur10e", (-1184.25, -290.7, 60.85)),
+        ("ur16e", (-838.4, -290.7, 60.85)),
+    ],
+)
+def test_forward_of_stretched_ur_arms_is_the_sum_of_their_lengths(
+    name: str, position_mm: tuple[float, float, float]
+) -> None:
+    T = arm(name).forward(np.zeros(6))
+    np.testing.assert_allclose(1000 * T[:3, 3], position_mm, atol=1e-9)
+    np.testing.assert_allclose(T[:3, :3], [[1, 0, 0], [0, 0, -1], [0, 1, 0]], atol=1e-12)

@@ -83,6 +83,8 @@ def ur(
             print_faults()
             return
         check_host(host, allow_network)
+        if robot != "ur5e":
+            raise typer.BadParameter(f"needs ur5e, given {robot}", param_hint="--robot")
         if version not in VERSIONS:
             raise typer.BadParameter(f"needs one of {', '.join(VERSIONS)}, given {version}", param_hint="--version")
         arm = emulated_arm(robot, seed, speedup, log, fault or [])

@@ -118,14 +118,14 @@ class UrRobot:
         if not self.live:
             raise MoveRefusedError(f"{self.name}: was not opened to be moved (live)")
         with self._moving:
+            self._check_latch()
             try:
                 self._move(np.asarray(T_gripper2base, dtype=np.float64), speed)
             except RobotStoppedError as error:
-                raise self._halted(error) from error
-            except MoveRefusedError:
-                raise
-            except BaseException:
-                self._halted(RobotStoppedError(Reason.OPERATOR, "the program was interrupted"))
+                raise self._halted(error) from error.__cause__
+            except BaseException as error:
+                reason = Reason.OPERATOR if isinstance(error, KeyboardInterrupt) else Reason.CONTROLLER_ERROR
+                self._halted(RobotStoppedError(reason, f"the move was ended by {type(error).__name__} {error}"))
                 raise
 
     def is_steady(self) -> bool:
@@ -149,7 +149,7 @@ class UrRobot:
         if not self._ask("output", pin, on, deadline=_CALL_S):
             raise RobotError(f"{self.name}: the controller refuses to switch output {pin}")
         deadline = time.monotonic() + 0.5
-        while bool(self._state().outputs >> pin & 1) != on:
+        while bool(self._fresh_state().outputs >> pin & 1) != on:
             if time.monotonic() > deadline:
                 raise RobotError(f"{self.name}: output {pin} did not change: is another program or safety in charge")
             time.sleep(_WATCH_S)
@@ -178,8 +178,6 @@ class UrRobot:
         self.close()
 
     def _move(self, target: Array, speed: Speed) -> None:
-        if self._stopped is not None:
-            raise self._stopped
         before = self._fresh_state()
         check_state(before, live=True)
         watch = MoveWatch(StraightMove(before.pose, target), speed, time.monotonic(), self._config.freshness_s)
@@ -196,9 +194,9 @@ class UrRobot:
     def _halted(self, error: RobotStoppedError) -> RobotStoppedError:
         """Stops the arm by all means there are; returns the first reason, which is kept."""
         with self._latch:
-            if self._stopped is not None:
+            if self._stopped is not None and not self._process.alive:
                 return self._stopped
-            self._stopped = error
+            error = self._stopped = self._stopped or error
         if not self._brought_to_rest(error.reason):
             self._process.kill()
             told = ur_probe.stop_without_rtde(self._config.host, self._facts)
@@ -252,13 +250,19 @@ class UrRobot:
 
     def _ask_program(self, call: str, *arguments: object) -> bool:
         """An answer of our program on the controller; a no is believed only while that runs and the link stands."""
+        self._check_latch()
         answer = bool(self._ask(call, *arguments, deadline=_CALL_S))
         if not answer:
             try:
                 check_state(self._fresh_state(), live=True)
             except RobotStoppedError as error:
-                raise self._halted(error) from error
+                raise self._halted(error) from error.__cause__
         return answer
+
+    def _check_latch(self) -> None:
+        """RobotStoppedError where the arm was stopped before."""
+        if self._stopped is not None:
+            raise self._stopped
 
     def _flange(self, T_tcp2base: Array) -> Array:
         if self.live or self._facts.T_tcp2flange is None:

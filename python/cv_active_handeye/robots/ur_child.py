@@ -76,6 +76,8 @@ class Interfaces:
             }
             if r.getTimestamp() == stamp:
                 break
+        else:
+            raise RuntimeError(f"no package could be read whole in {_READS} attempts")
         out["connected"] = r.isConnected() and (self._control is None or self._control.isConnected())
         out["moving"] = self._control is not None and self._moving()
         return out

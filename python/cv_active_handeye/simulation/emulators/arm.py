@@ -255,8 +255,8 @@ class EmulatedArm:
             raise EmulatorStop("unreachable", f"speed and acceleration need to be > 0, given {speed}, {acceleration}")
         speed *= self.faults.value("slow_motion") or 1.0
         with self._lock:
-            if self.stop_condition is not None:  # since the way was checked
-                raise EmulatorStop(self.stop_condition)
+            if cancel.is_set() or self.stop_condition is not None:
+                raise EmulatorStop(self.stop_condition or "cancelled", "before the motion began")
             self._motions += 1
             profile = Profile.trapezoid(length, speed, acceleration)
             self._motion = _Motion(joints, np.linspace(0, 1, len(joints)), length, profile, self.now)

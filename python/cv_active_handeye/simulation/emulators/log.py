@@ -83,7 +83,8 @@ def read_events(path: Path) -> list[Event]:
 def moves_after_stop(events: Iterable[Event], grace: float = 0.0) -> list[Event]:
     """Returns the motions that a client began, or asked for, later than `grace` s after a stop condition.
 
-    A person who clears the stop condition ends it. Empty = the client did as it must.
+    A person who clears the stop condition ends it. Empty = the client did as it must. Of a program that was stopped or
+    a clock that stands still a client cannot know before some packages have come: give it as long as it claims to need.
     """
     stopped: float | None = None
     found = []

@@ -182,6 +182,9 @@ class UrController:
 
     def _fault(self, name: str, value: float) -> None:
         if value and name == "program_stopped":
+            with self._lock:
+                if self._program is not None:
+                    self._program.end()
             self.arm.log.add("stop_condition", reason="program stopped")
             threading.Thread(target=self.stop_program, daemon=True).start()  # a fault may come from the motion itself
 

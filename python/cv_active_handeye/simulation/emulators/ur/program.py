@@ -85,10 +85,14 @@ class ControlProgram:
         """The command that is under way or was not acknowledged by the client, else 0."""
         return self._executing
 
-    def stop(self) -> None:
-        """Ends it and the motion that it began; returns when both have ended."""
+    def end(self) -> None:
+        """Lets no further motion begin and ends the one under way, without waiting for that."""
         self._end.set()
         self._halt.set()
+
+    def stop(self) -> None:
+        """Ends it and the motion that it began; returns when both have ended."""
+        self.end()
         for thread in (self._thread, self._motion):
             if thread is not None and thread is not threading.current_thread():
                 thread.join(5.0)
@@ -104,8 +108,7 @@ class ControlProgram:
         except EmulatorStop as stop:
             self._controller.tell_stop(stop)
         finally:
-            self._end.set()
-            self._halt.set()
+            self.end()
 
     def _step(self, command: int) -> bool:
         """One turn of the main loop; False when the client ends the program."""
@@ -153,6 +156,8 @@ class ControlProgram:
     def _move(self, joints: bool, d: list[float], n: list[int]) -> None:
         self._stop_motion(self._arm.halt_deceleration)
         self._halt = threading.Event()
+        if self._end.is_set():
+            self._halt.set()
         if n[1] == 1:
             self._motion = threading.Thread(target=self._move_apart, args=(joints, d), name="UR motion", daemon=True)
             self._operation = (self._operation + 1) % 128
