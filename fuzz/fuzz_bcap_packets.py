@@ -8,7 +8,7 @@ import struct
 
 import atheris
 
-with atheris.instrument_imports():
+with atheris.instrument_imports(include=["cv_active_handeye.robots.bcap_packets"]):
     from cv_active_handeye.robots.bcap_packets import Packet, PacketError, PacketStream, decode_packet, encode_packet
 
 from driver import require, run

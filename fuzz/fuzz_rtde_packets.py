@@ -8,7 +8,9 @@ import struct
 
 import atheris
 
-with atheris.instrument_imports():
+with atheris.instrument_imports(
+    include=["cv_active_handeye.robots.rtde_packets", "cv_active_handeye.simulation.emulators.ur.rtde_packets"]
+):
     from cv_active_handeye.robots.rtde_packets import (
         DATA,
         INPUTS,

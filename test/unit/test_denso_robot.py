@@ -1,17 +1,16 @@
 # SPDX-FileCopyrightText: 2026 active_handeye contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The DENSO driver on the emulated controller: what it refuses, what it restores, and when it stops."""
+"""The DENSO driver on the emulated controller: what it reads, moves, refuses and restores."""
 
 from __future__ import annotations
 
-import threading
 import time
 from typing import Any
 
 import numpy as np
 import pytest
 from pydantic import ValidationError
-from support.denso_emulator import Emulated, RawSession, emulated_denso, moved, start_of
+from support.denso_emulator import RawSession, emulated_denso, moved, start_of
 
 from cv_active_handeye.robots.base import (
     MoveRefusedError,
@@ -20,23 +19,12 @@ from cv_active_handeye.robots.base import (
     RobotStoppedError,
     RobotUnavailableError,
     Speed,
-    StopReason,
 )
 from cv_active_handeye.robots.denso import DensoConfig, connect
 from cv_active_handeye.robots.kinematics import straight_line
-from cv_active_handeye.simulation.emulators import moves_after_stop
 
 pytestmark = pytest.mark.timeout(60)
 FAST = Speed(metres_per_second=0.25, metres_per_second2=1.0)
-
-
-def running(emulated: Emulated) -> float:
-    """Waits until a motion is under way; its beginning."""
-    end = time.monotonic() + 5
-    while not emulated.arm.moving:
-        assert time.monotonic() < end
-        time.sleep(0.002)
-    return time.monotonic()
 
 
 @pytest.mark.parametrize(
@@ -161,99 +149,6 @@ def test_commanded_speed_is_not_exceeded_and_one_below_the_controllers_least_is_
             robot.move_linear(start, Speed(metres_per_second=0.01))
 
 
-def test_arm_that_is_faster_than_its_settings_say_is_stopped() -> None:
-    options = {"full_speed_m_s": 2.0, "full_acceleration_m_s2": 10.0}
-    with emulated_denso(speedup=1.0) as emulated, connect(emulated.config(**options), live=True) as robot:
-        with pytest.raises(RobotStoppedError, match=r"off the path.*0\.05 m/s were commanded: full_speed_m_s = 2"):
-            robot.move_linear(moved(start_of(robot), (0, 100, 0)), Speed())
-        assert emulated.arm.log.of_kind("motion_end")[0]["arrived"] is False
-
-
-def test_move_that_takes_too_long_is_halted_at_its_deadline() -> None:
-    with emulated_denso(speedup=1.0) as emulated, connect(emulated.config(), live=True) as robot:
-        emulated.arm.faults.set("slow_motion", 0.001)
-        began = time.monotonic()
-        with pytest.raises(RobotStoppedError) as caught:
-            robot.move_linear(moved(start_of(robot), (0, 2, 0)), Speed(metres_per_second2=1.0))
-        assert caught.value.reason == StopReason.DEADLINE
-        assert 3.0 < time.monotonic() - began < 6.0
-        assert not emulated.arm.moving
-
-
-def test_stop_from_another_thread_halts_the_move_for_good() -> None:
-    with emulated_denso(speedup=1.0) as emulated, connect(emulated.config(), live=True) as robot:
-        start = start_of(robot)
-
-        def stop() -> None:
-            running(emulated)
-            robot.stop()
-
-        stopper = threading.Thread(target=stop)
-        stopper.start()
-        with pytest.raises(RobotStoppedError) as caught:
-            robot.move_linear(moved(start, (0, 60, 0)), Speed())
-        stopper.join()
-        assert caught.value.reason == StopReason.OPERATOR
-        assert not emulated.arm.moving
-        with pytest.raises(RobotStoppedError, match="operator"):
-            robot.move_linear(start, FAST)
-        robot.stop()
-        assert len(emulated.arm.log.of_kind("motion_begin")) == 1
-
-
-def test_close_during_a_move_halts_it_first() -> None:
-    with emulated_denso(speedup=1.0) as emulated:
-        robot = connect(emulated.config(), live=True)
-        target = moved(start_of(robot), (0, 60, 0))
-
-        def close() -> None:
-            running(emulated)
-            robot.close()
-
-        closer = threading.Thread(target=close)
-        closer.start()
-        with pytest.raises(RobotStoppedError, match="operator"):
-            robot.move_linear(target, Speed())
-        closer.join()
-        assert emulated.commands()[-3:] == ["ROBOT_HALT", "Motor", "GiveArm"]
-        with pytest.raises(MoveRefusedError, match="was closed"):
-            robot.move_linear(target, Speed())
-
-
-def test_second_move_at_the_same_time_is_refused() -> None:
-    with emulated_denso(speedup=1.0) as emulated, connect(emulated.config(), live=True) as robot:
-        start, second = start_of(robot), list[Exception]()
-
-        def move_too() -> None:
-            running(emulated)
-            try:
-                robot.move_linear(start, FAST)
-            except MoveRefusedError as error:
-                second.append(error)
-
-        other = threading.Thread(target=move_too)
-        other.start()
-        robot.move_linear(moved(start, (0, 10, 0)), FAST)
-        other.join()
-        assert "another move is under way" in str(second[0])
-
-
-def test_motion_that_someone_else_halts_is_told_as_a_stop() -> None:
-    with emulated_denso(speedup=1.0) as emulated, connect(emulated.config(), live=True) as robot:
-        target = moved(start_of(robot), (0, 60, 0))
-
-        def halt() -> None:
-            running(emulated)
-            with RawSession(emulated.port) as other:
-                other.halt()
-
-        halter = threading.Thread(target=halt)
-        halter.start()
-        with pytest.raises(RobotStoppedError, match=r"controller error: the motion: .*E_ABORT"):
-            robot.move_linear(target, Speed())
-        halter.join()
-
-
 @pytest.mark.parametrize(
     ("fault", "told"),
     [
@@ -283,21 +178,6 @@ def test_arm_that_another_client_has_is_refused() -> None:
 def test_controller_of_another_generation_is_told() -> None:
     with emulated_denso(controller="rc9") as emulated, pytest.raises(RobotUnavailableError, match="Is it a RC8"):
         connect(emulated.config(), live=False)
-
-
-def test_pose_of_a_controller_whose_clock_stands_still_is_stale_and_ends_all_moves() -> None:
-    with emulated_denso() as emulated, connect(emulated.config(freshness_s=0.2), live=True) as robot:
-        start = start_of(robot)
-        emulated.arm.faults.set("frozen_timestamp")
-        robot.pose()
-        began = time.monotonic()
-        with pytest.raises(RobotStoppedError, match=r"stale pose: the controller's clock stands still"):
-            robot.pose()
-        assert time.monotonic() - began < 0.6
-        emulated.arm.faults.clear()
-        with pytest.raises(RobotStoppedError, match="stale pose"):
-            robot.move_linear(start, FAST)
-        assert moves_after_stop(emulated.arm.log.events) == []
 
 
 def test_is_steady_waits_for_the_arm_to_settle() -> None:

@@ -277,3 +277,13 @@ def test_set_output_switches_logs_changes_and_refuses_other_pins() -> None:
     assert [(event["pin"], event["on"]) for event in arm.log.of_kind("output")] == [(3, True)]
     with pytest.raises(ValueError, match="pin: needs 0 to 7, given 8"):
         arm.set_output(8, True)
+
+
+def test_moves_after_stop_counts_from_when_a_motion_was_asked_for() -> None:
+    stop = {"time": 10.0, "kind": "stop_condition", "reason": "stale pose"}
+    before = {"time": 10.2, "kind": "motion_begin", "motion": 1, "asked": 9.9}
+    after = {"time": 10.2, "kind": "motion_begin", "motion": 2, "asked": 10.1}
+    cleared = {"time": 10.3, "kind": "cleared"}
+    later = {"time": 10.4, "kind": "motion_begin", "motion": 3, "asked": 10.4}
+    assert moves_after_stop([stop, before, after, cleared, later]) == [after]
+    assert moves_after_stop([stop, before, after], grace=0.15) == []

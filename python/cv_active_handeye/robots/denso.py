@@ -196,10 +196,11 @@ class DensoRobot:
         self.check_reachable(target)
         with told_stops("the speed"):
             actual = arm.prepare(speed)
-        start = self._watch.pose()
+        self._watch.check(motor_on=True)  # again, for these calls took a while
+        self._watch.pose()
+        start = self._watch.pose()  # the second one tells that the clock goes on
         move = StraightMove(start.T_gripper2base, target)
         deadline = time.monotonic() + move.deadline_s(actual.metres_per_second, actual.metres_per_second2)
-        self._watch.check(motor_on=True)  # again: nothing may come between this and the motion
         self._refuse_after_stop()
         with told_stops("the motion"):
             self._pending = arm.begin(target)
