@@ -225,6 +225,16 @@ def test_stop_behind_a_wall_is_stranded_with_the_reason() -> None:
     assert "inside the no-go box" in order.reason
 
 
+def test_stop_that_the_arm_cannot_reach_is_stranded_with_the_reason() -> None:
+    near, far = flange(JOINTS), flange(JOINTS)
+    near[:3, 3] += [0.02, 0.0, 0.02]
+    far[:3, 3] += [0.0, 0.0, 0.4]
+    order = order_stops(start(), [far, near], [0, 1], free_space())
+    assert (order.visited, order.stranded) == ([1], [0])
+    assert order.reason.startswith("UR5e: ")
+    assert order_stops(start(None), [far, near], [0, 1], free_space()).visited == [1, 0]
+
+
 def test_fewest_finds_the_first_that_suffices() -> None:
     for first in range(4, 12):
         assert fewest(first.__le__, 4, 11) == first
