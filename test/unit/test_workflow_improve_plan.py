@@ -53,6 +53,7 @@ def test_rest_of_a_plan_is_better_for_what_is_known_and_keeps_what_was_taken(pla
     assert after < 0.98 * before
     assert better.predictions[-1].t_cam2gripper_mm == after
     assert better.workspace == plan.workspace
+    assert len(np.unique(np.round(poses(better), 6), axis=0)) == STOPS, "no stop comes twice"
 
 
 def test_rest_of_a_plan_is_as_short_as_the_target_allows(plan: Plan, truth: Knowledge) -> None:
