@@ -53,7 +53,14 @@ def test_rest_of_a_plan_is_better_for_what_is_known_and_keeps_what_was_taken(pla
     assert after < 0.98 * before
     assert better.predictions[-1].t_cam2gripper_mm == after
     assert better.workspace == plan.workspace
-    assert len(np.unique(np.round(poses(better), 6), axis=0)) == STOPS, "no stop comes twice"
+
+
+def test_stop_that_was_taken_does_not_come_again() -> None:
+    """Without rolls, what was taken already would be among the best again."""
+    asked = settings(stops=20, roll_deg=0.0)
+    first = make_plan(start(None), asked)
+    better = improve_plan(first, TAKEN, Knowledge.assumed(start(None), asked), asked)
+    assert len(np.unique(np.round(poses(better), 6), axis=0)) == 20
 
 
 def test_rest_of_a_plan_is_as_short_as_the_target_allows(plan: Plan, truth: Knowledge) -> None:
@@ -101,7 +108,7 @@ def test_knowledge_of_a_calibration_is_what_it_found(tmp_path: Path) -> None:
     dataset = noisy_dataset(tmp_path / "set")
     calibration, evidence = calibrate_with_evidence(dataset, known_distortion())
     assert evidence.summary is not None
-    known = Knowledge.learned(calibration, evidence.summary, start(None), settings())
+    known = Knowledge.learned(calibration, evidence.summary, start(None), settings(lens_model="k3"))
     np.testing.assert_array_equal(known.camera_matrix, calibration.camera_matrix)
     np.testing.assert_array_equal(known.T_cam2gripper[:3, 3], calibration.t_cam2gripper)
     assert known.params.pointSigma == evidence.summary.pointSigma

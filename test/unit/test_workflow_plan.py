@@ -143,10 +143,24 @@ def test_box_too_small_is_named_with_numbers() -> None:
     assert "by the boxes (workspace: the flange would be at (" in text
 
 
+def test_views_behind_a_wall_are_left_out_and_others_chosen() -> None:
+    middle = 1000 * flange(JOINTS)[:3, 3]
+    wall = Box(lower_mm=(middle[0] + 90, -2000, -2000), upper_mm=(middle[0] + 95, 2000, 2000))
+    free = settings(stops=10).workspace
+    made = make_plan(start(None), settings(stops=10, workspace=Workspace(box=free.box, no_go=(*free.no_go, wall))))
+    assert len(made.stops) == 10
+    assert max(1000 * stop.t_gripper2base[0] for stop in made.stops) < middle[0] + 90
+
+
 def test_start_outside_of_the_box_is_refused() -> None:
     outside = Workspace(box=Box(lower_mm=(0, 0, 0), upper_mm=(100, 100, 100)))
     with pytest.raises(InsufficientDataError, match="start pose itself is not allowed: workspace: the flange would be"):
         make_plan(start(), settings(workspace=outside))
+
+
+def test_views_that_see_too_little_are_not_chosen() -> None:
+    with pytest.raises(InsufficientDataError, match="which see enough of the scene, hold"):
+        make_plan(start(None), settings(seen_share=0.95))
 
 
 def test_joint_limit_in_the_way_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
