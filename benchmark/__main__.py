@@ -22,7 +22,7 @@ REPOSITORY = Path(__file__).parents[1]
 REPORTS = REPOSITORY / "out/benchmark"
 PARALLEL = (
     *("demo", "experiment", "seam", "light_plane", "refine", "lens_models", "measured_points", "opencv_boards"),
-    *("protocols", "degenerate", "robust"),
+    *("planning", "protocols", "degenerate", "robust"),
 )
 """Those that run their trials on the workers of cluster.py."""
 NAMES = (
@@ -82,6 +82,8 @@ HEADLINES = (
         "*400 tracks / best of OpenCV",
         "- without a target, 400 tracks: RMSE / that of the best of OpenCV's methods with a board",
     ),
+    Headline("planning", "*the paper's set*", "planned stops: predicted sigma / that of the paper's set of motions"),
+    Headline("planning", "prediction*", "- prediction is off from 300 refined trials by [%]"),
     Headline("degenerate", "usable answers off by*", "- silent wrong answers in 2200 degenerate recordings"),
     Headline("robust", "*error / clean error*", "- RMSE with wrong tracks or poses / RMSE without"),
     Headline("foe", "*median error*", "`estimateFOE`: median error / that of OpenCV's essential matrix"),

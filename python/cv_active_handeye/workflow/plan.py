@@ -13,6 +13,7 @@ import cv_active_handeye as cah
 from ..calibration import Calibration
 from ..files import FloatArray
 from ..plan_file import Plan, PlannedPose, PlannedStop
+from ..robots.workspace import step_size
 from .plan_knowledge import Knowledge, predict
 from .plan_order import order_stops
 from .plan_settings import PlanSettings
@@ -74,6 +75,12 @@ def fewest(suffices: Callable[[int], bool], low: int, high: int) -> int:
     return high
 
 
+def _same_stop(a: FloatArray, b: FloatArray) -> bool:
+    """Whether two flange poses (4, 4) would show the same image."""
+    length, angle = step_size(a, b)
+    return length < 0.001 and angle < 0.05
+
+
 class _Choice:
     """Views that are possible after those done (flange poses), and the choice among them."""
 
@@ -85,7 +92,7 @@ class _Choice:
         ready(1, 1)
         self.start, self.done, self.knowledge, self.settings = start, done, knowledge, settings
         self.reporter = reporter
-        self._left_out: set[int] = set()
+        self._left_out = {i for i, pose in enumerate(self.views.poses) if any(_same_stop(pose, old) for old in done)}
 
     def plan(self, now: Start, done: list[PlannedStop]) -> Plan:
         """The whole plan; the arm stands at `now`."""

@@ -57,7 +57,7 @@ class Knowledge:
         """From a calibration so far, with the scene points that it found and its noise levels."""
         points = np.asarray(summary.scenePoints)
         params, light = settings.refine_params(), calibration.light_plane
-        params.pointSigma = summary.pointSigma
+        params.lensModel, params.pointSigma = summary.lensModel, summary.pointSigma
         params.robotTranslationSigma = summary.robotTranslationSigma
         params.robotRotationSigma = summary.robotRotationSigma
         if light is not None:

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import cv_active_handeye as cah
 
+from ..calibration_format import LENS_NAMES, LensName
 from ..files import FloatArray
 from ..robots.base import Speed
 from ..robots.workspace import Point, Workspace
@@ -26,7 +27,8 @@ class PlanSettings(BaseModel):
     point is taken in the middle. t_cam2gripper_mm and R_cam2gripper_deg (rotation vector): how the camera is mounted.
     stand_off_mm: from the camera to what it looks at from the start pose; scene_depth_mm: how far this reaches before
     and behind. light_plane_mm: nx, ny, nz, d of the laser, n.X = d in the camera frame, d in mm; None = no laser.
-    camera_known: the camera matrix is calibrated already and will be kept.
+    camera_known: the camera matrix is calibrated already and will be kept. lens_model: distortion coefficients that
+    the calibration will estimate.
 
     stops: how many, or target_sigma_mm: as few as predict this standard deviation of t_cam2gripper (root of the sum of
     the three variances), at most `most_stops`. translation_mm: the camera leaves the middle of a group by as much
@@ -52,6 +54,7 @@ class PlanSettings(BaseModel):
     scene_depth_mm: float = Field(default=60.0, ge=0)
     light_plane_mm: LightPlane | None = None
     camera_known: bool = False
+    lens_model: LensName = "none"
 
     stops: int | None = Field(default=None, ge=4)
     target_sigma_mm: float | None = Field(default=None, gt=0)
@@ -114,6 +117,7 @@ class PlanSettings(BaseModel):
     def refine_params(self) -> cah.RefineParams:
         """Noise levels and flags for the predictions."""
         params = cah.RefineParams()
+        params.lensModel = LENS_NAMES.index(self.lens_model)
         params.flags = int(cah.REFINE_FIX_K) if self.camera_known else 0
         params.pointSigma, params.stripeSigma = self.point_sigma_px, self.stripe_sigma_px
         params.robotTranslationSigma = self.robot_mm / 1000

@@ -18,7 +18,7 @@ from .reporter import InsufficientDataError
 
 Tilt = tuple[float, float]
 
-_STEP_M, _STEP_DEG = 0.04, 2.5  # between samples on the way to a possible view; chosen ways are checked closely
+_STEP_SHARE, _STEP_DEG = 0.08, 2.5  # of the reach; on the way to a possible view: chosen ways are checked closely
 _ROLLS_DEG = (0.0, 60.0, 120.0, 180.0)
 _TILTS = (
     *((0, 0), (1, 0), (0, 1), (-1, 0), (0, -1), (0.7, 0.7), (-0.7, 0.7), (-0.7, -0.7), (0.7, -0.7)),
@@ -102,8 +102,8 @@ def possible_views(start: Start, settings: PlanSettings) -> Views:
     grid = _Grid(start, settings)
     for side in (1, -1):
         grid.add_side(side)
-    if not grid.views.poses:
-        raise InsufficientDataError(f"no view is possible from here: {grid.views.obstacles()}")
+    if len(grid.views.poses) < 2:
+        raise InsufficientDataError(f"{len(grid.views.poses)} views are possible: {grid.views.obstacles()}")
     return grid.views
 
 
@@ -154,9 +154,10 @@ class _Grid:
         return None if arm is None or joints is None else arm.inverse(pose, near=joints)
 
     def _follow(self, joints: FloatArray | None, pose: FloatArray) -> FloatArray | None:
-        if self._start.arm is None or joints is None:
+        arm = self._start.arm
+        if arm is None or joints is None:
             return None
-        return np.asarray(self._start.arm.follow(joints, pose, _STEP_M, _STEP_DEG)[-1])
+        return np.asarray(arm.follow(joints, pose, _STEP_SHARE * arm.reach, _STEP_DEG)[-1])
 
 
 def flange_pose(start: Start, settings: PlanSettings, tilt: Tilt, roll_deg: float, place: FloatArray) -> FloatArray:
