@@ -54,3 +54,8 @@ def print_lines(*lines: str) -> None:
     """Prints every line as it stands."""
     for line in lines:
         out.print(escape(line))
+
+
+def print_line(line: str) -> None:
+    """Prints a line that a program may read: never broken, however narrow the terminal."""
+    out.print(escape(line), soft_wrap=True)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .application import Settings, app, print_lines
+from .application import Settings, app, print_line, print_lines
 from .console import told_errors
 from .helping import command_of
 from .settings import cell_config
@@ -186,7 +186,7 @@ def serve(
     try:
         with open_ports():
             control = ControlPort(arm, host, control_port, lambda: ended.append(True))
-            print_lines(f"ready {name} on {host}, {arm.arm.name}, control {host}:{control.port}")
+            print_line(f"ready {name} on {host}, {arm.arm.name}, control {host}:{control.port}")
             while not ended:
                 time.sleep(_END_S)
             control.close()
