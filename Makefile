@@ -62,7 +62,7 @@ test-cpp: setup
 	$(BUILD)/bin/active_handeye_test_internal --gtest_brief=1
 
 test-python: test-cpp
-	$(BIN)/python -m pytest
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(JOBS) --dist loadfile
 
 lint: setup
 	git ls-files -z '*.cpp' '*.hpp' | xargs -0 $(BIN)/clang-format --dry-run -Werror

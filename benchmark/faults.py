@@ -292,9 +292,9 @@ def report_of(trials: Sequence[Trial]) -> Report:
 
 _SETUP = (
     "Every trial: an emulated UR or DENSO controller in one process, `cv-active-handeye capture --live` with the "
-    "product's driver (ur_rtde as it is; the own b-CAP client) in another, five stops. A seeded fault sets in at a random "
-    "moment. The controller's log judges whether anything moved after a stop condition; then a person clears the "
-    f"fault, and `--resume` completes the data set. The emulators run {SPEEDUP:g} times as fast as an arm."
+    "product's driver (ur_rtde as it is; the own b-CAP client) in another, five stops. A seeded fault sets in at a "
+    "random moment. The controller's log judges whether anything moved after a stop condition; then a person clears "
+    f"the fault, and `--resume` completes the data set. The emulators run {SPEEDUP:g} times as fast as an arm."
 )
 _NOTE = (
     "completed: the fault came after the last stop or does not hinder (a pose bias cannot be seen at the robot; one "

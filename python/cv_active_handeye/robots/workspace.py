@@ -89,8 +89,8 @@ class Workspace(BaseModel):
         angle = step_size(start, end)[1]
         if angle > LARGEST_TURN_DEG:
             raise MoveRefusedError(
-                f"workspace: a straight way may turn by {LARGEST_TURN_DEG:g} deg, so that its sense is certain; this one "
-                f"turns by {angle:.1f} deg and needs a stop in between"
+                f"workspace: a straight way may turn by {LARGEST_TURN_DEG:g} deg, so that its sense is certain; this "
+                f"one turns by {angle:.1f} deg and needs a stop in between"
             )
         for pose in straight_line(start, end, _STEP_M, _STEP_DEG):
             self.check_pose(pose)
