@@ -9,7 +9,6 @@ person clears the fault, and `capture --resume` has to complete the data set. Th
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import subprocess
@@ -21,6 +20,7 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 import cv2
@@ -30,7 +30,8 @@ import yaml
 from cv_active_handeye.dataset import FILE_NAME, Dataset
 from cv_active_handeye.plan_file import Plan, PlannedPose, PlannedStop
 from cv_active_handeye.robots.workspace import Box, Workspace
-from cv_active_handeye.simulation.emulators import EmulatorLink
+from cv_active_handeye.simulation.emulators import EmulatorLink, EmulatorLinkError, moves_after_stop
+from cv_active_handeye.simulation.emulators import read_events as controller_events
 from cv_active_handeye.workflow.event_log import read_events
 
 from .report import Cell, Measure, Report, Table, finish, parser
@@ -40,8 +41,10 @@ SPEEDUP = 10.0
 STOPS = 5
 DEADLINE_S = 90.0
 """For one capture on two busy cores; without a fault it takes some 10 s."""
-REACTION_S = 0.6
+GRACE_S = 0.25
 """A clock that stands still, or a line that is silent, cannot be told from a slow one before 0.2 s have passed."""
+LATEST_S = 1.5
+"""After the first motion has begun; a capture is over after about as long."""
 
 NAMED = {
     "protective_stop": "protective stop",
@@ -96,8 +99,12 @@ def trial(seed: int, folder: Path) -> Trial:
     host = f"127.0.{1 + seed // 200}.{1 + seed % 200}"
     folder.mkdir(parents=True)
     value = f"={VALUES[fault]:g}" if fault in VALUES else ""
-    with Emulator(device, host, folder / "controller.jsonl", f"{fault}{value}{moment}") as emulator:
+    later = moment.endswith("later")
+    faults = [] if later else ["--fault", f"{fault}{value}{moment}"]
+    with Emulator(device, host, folder / "controller.jsonl", faults) as emulator:
         _prepare(folder, device, host, emulator.link)
+        if later:
+            Thread(target=_fault_later, args=(emulator.address, fault, float(moment.split()[0])), daemon=True).start()
         first = _capture(folder, resume=False)
         broken = _judged(folder, first, fault)
         views = _views(folder)
@@ -111,28 +118,31 @@ def trial(seed: int, folder: Path) -> Trial:
 
 
 def _moment(rng: np.random.Generator, fault: str) -> str:
-    kinds = ["@move", "@stop", "@s"] + [""] * (fault in BEFORE)
+    """In the middle of a motion, when the arm comes to a stand, some time after the first motion began, or before."""
+    kinds = ["@move", "@stop", "later"] + [""] * (fault in BEFORE)
     kind = kinds[rng.integers(len(kinds))]
-    if kind == "@s":
-        return f"@{rng.uniform(2.0, 12.0):.2f}"
+    if kind == "later":
+        return f"{rng.uniform(0, LATEST_S):.2f} s later"
     return kind and f"{kind}{rng.integers(1, STOPS + 1)}"
 
 
 class Emulator:
     """`cv-active-handeye emulate` in a process of its own."""
 
-    def __init__(self, device: str, host: str, log: Path, fault: str) -> None:
+    def __init__(self, device: str, host: str, log: Path, faults: list[str]) -> None:
         """Returns when it is ready."""
         command = [*_program(), "emulate", device, "--host", host, "--control-port", "0", "--log", str(log)]
-        command += ["--speedup", f"{SPEEDUP:g}", "--fault", fault]
+        command += ["--speedup", f"{SPEEDUP:g}", *faults]
         self._process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         assert self._process.stdout is not None
-        ready = re.search(r"control ([0-9.]+):([0-9]+)", self._process.stdout.readline())
+        found = (re.search(r"^ready .* control ([0-9.]+):([0-9]+)", line) for line in self._process.stdout)
+        ready = next((match for match in found if match is not None), None)
         if ready is None:
-            raise RuntimeError(f"the emulator did not start: {self._process.stdout.read()}")
+            raise RuntimeError("the emulator did not start")
         self._reader = ThreadPoolExecutor(1)
         self._reader.submit(self._process.stdout.read)
-        self.link = EmulatorLink(ready[1], int(ready[2]), 10.0)
+        self.address = ready[1], int(ready[2])
+        self.link = EmulatorLink(*self.address, 10.0)
 
     def __enter__(self) -> Emulator:
         return self
@@ -142,6 +152,18 @@ class Emulator:
         self._process.terminate()
         self._process.wait(20)
         self._reader.shutdown()
+
+
+def _fault_later(address: tuple[str, int], fault: str, seconds: float) -> None:
+    """Lets a fault set in some time after the first motion has begun."""
+    try:
+        with EmulatorLink(*address, 10.0) as link:
+            while not link.state().moving:
+                time.sleep(0.02)
+            time.sleep(seconds)
+            link.fault(fault, VALUES.get(fault))
+    except EmulatorLinkError:
+        return  # the trial is over
 
 
 def _program() -> list[str]:
@@ -230,17 +252,7 @@ def _ended_well(capture: Capture) -> list[str]:
 
 def _judged_by_controller(log: Path) -> list[str]:
     """Motions that were asked for after a stop condition and before a person cleared it."""
-    broken, stopped = [], None
-    for event in (json.loads(line) for line in log.read_text().splitlines()):
-        if event["kind"] == "stop_condition" and stopped is None:
-            stopped = event
-        elif event["kind"] == "cleared":
-            stopped = None
-        elif event["kind"] == "motion_begin" and stopped is not None:
-            late = event["time"] - stopped["time"]
-            if stopped["reason"] not in ("link lost", "stale pose") or late > REACTION_S:
-                broken.append(f"moved {late:.2f} s after {stopped['reason']}")
-    return broken
+    return [f"moved after a stop: {event}" for event in moves_after_stop(controller_events(log), GRACE_S)]
 
 
 def _views(folder: Path) -> int:

@@ -30,8 +30,8 @@ def reopen(folder: Path, station: Station, settings: SettleSettings) -> tuple[Pl
             f"{folder}: was taken with {need.width} x {need.height} {need.pixel_format}, the camera gives "
             f"{have.width} x {have.height} {have.pixel_format}"
         )
-    if plan.robot != station.robot.robot.name:
-        raise FileFormatError(f"{folder}: was taken with {plan.robot}, this is {station.robot.robot.name}")
+    if dataset.description != station.robot.robot.name:
+        raise FileFormatError(f"{folder}: was taken with {dataset.description}, this is {station.robot.robot.name}")
     if len(dataset) > len(plan.stops):
         raise FileFormatError(f"{folder}: holds {len(dataset)} views, its plan has {len(plan.stops)} stops")
     for view in dataset.views:
