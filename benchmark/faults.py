@@ -34,6 +34,7 @@ from cv_active_handeye.simulation.emulators import EmulatorLink, EmulatorLinkErr
 from cv_active_handeye.simulation.emulators import read_events as controller_events
 from cv_active_handeye.workflow.event_log import read_events
 
+from .emulator import PROGRAM, Emulator
 from .report import Cell, Measure, Report, Table, finish, parser
 
 TRIALS = 240
@@ -101,7 +102,8 @@ def trial(seed: int, folder: Path) -> Trial:
     value = f"={VALUES[fault]:g}" if fault in VALUES else ""
     later = moment.endswith("later")
     faults = [] if later else ["--fault", f"{fault}{value}{moment}"]
-    with Emulator(device, host, folder / "controller.jsonl", faults) as emulator:
+    options = ["--speedup", f"{SPEEDUP:g}", *faults]
+    with Emulator(device, host, folder / "controller.jsonl", options) as emulator:
         _prepare(folder, device, host, emulator.link)
         if later:
             Thread(target=_fault_later, args=(emulator.address, fault, float(moment.split()[0])), daemon=True).start()
@@ -126,34 +128,6 @@ def _moment(rng: np.random.Generator, fault: str) -> str:
     return kind and f"{kind}{rng.integers(1, STOPS + 1)}"
 
 
-class Emulator:
-    """`cv-active-handeye emulate` in a process of its own."""
-
-    def __init__(self, device: str, host: str, log: Path, faults: list[str]) -> None:
-        """Returns when it is ready."""
-        command = [*_program(), "emulate", device, "--host", host, "--control-port", "0", "--log", str(log)]
-        command += ["--speedup", f"{SPEEDUP:g}", *faults]
-        self._process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        assert self._process.stdout is not None
-        found = (re.search(r"^ready .* control ([0-9.]+):([0-9]+)", line) for line in self._process.stdout)
-        ready = next((match for match in found if match is not None), None)
-        if ready is None:
-            raise RuntimeError("the emulator did not start")
-        self._reader = ThreadPoolExecutor(1)
-        self._reader.submit(self._process.stdout.read)
-        self.address = ready[1], int(ready[2])
-        self.link = EmulatorLink(*self.address, 10.0)
-
-    def __enter__(self) -> Emulator:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.link.close()
-        self._process.terminate()
-        self._process.wait(20)
-        self._reader.shutdown()
-
-
 def _fault_later(address: tuple[str, int], fault: str, seconds: float) -> None:
     """Lets a fault set in some time after the first motion has begun."""
     try:
@@ -164,10 +138,6 @@ def _fault_later(address: tuple[str, int], fault: str, seconds: float) -> None:
             link.fault(fault, VALUES.get(fault))
     except EmulatorLinkError:
         return  # the trial is over
-
-
-def _program() -> list[str]:
-    return [sys.executable, "-c", "import sys; from cv_active_handeye.cli import app; sys.exit(app())"]
 
 
 def _prepare(folder: Path, device: str, host: str, link: EmulatorLink) -> None:
@@ -199,7 +169,7 @@ def _prepare(folder: Path, device: str, host: str, link: EmulatorLink) -> None:
 
 def _capture(folder: Path, *, resume: bool) -> Capture:
     options = ["--resume"] if resume else ["--plan", str(folder / "plan.yaml")]
-    command = [*_program(), "capture", str(folder / "set"), "--station", str(folder / "station.yaml"), "--live"]
+    command = [*PROGRAM, "capture", str(folder / "set"), "--station", str(folder / "station.yaml"), "--live"]
     begun = time.monotonic()
     process = subprocess.Popen(
         [*command, *options],
