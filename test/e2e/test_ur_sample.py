@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 active_handeye contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The C++ sample ur_live, with the unmodified ur_rtde, against the emulated controller; `make ur-sample` builds and runs it."""
+"""The C++ sample ur_live on the unmodified ur_rtde against the emulated controller; `make ur-sample` builds it."""
 
 from __future__ import annotations
 
