@@ -23,7 +23,7 @@ from cv_active_handeye.robots.registry import RobotConfig
 from cv_active_handeye.robots.simulated import SimulatedRobotConfig
 from cv_active_handeye.robots.ur import UrConfig
 from cv_active_handeye.robots.workspace import Box, Workspace
-from cv_active_handeye.station import StationConfig
+from cv_active_handeye.station import StationConfig, load_station
 from cv_active_handeye.workflow.capture import CaptureSettings
 from cv_active_handeye.workflow.plan_settings import PlanSettings
 from cv_active_handeye.workflow.settle import SettleSettings
@@ -88,3 +88,14 @@ def test_page_names_the_events_that_the_code_logs() -> None:
     pattern = re.compile(r"(?:\blog|self\._log|self\._event)\(\"(\w+)\"")
     logged = {name for path in sources for name in pattern.findall(path.read_text(encoding="utf-8"))}
     assert first_column("event") == logged
+
+
+def test_station_files_of_the_tutorial_are_accepted(tmp_path: Path) -> None:
+    page = (ROOT / "doc/tutorials/first_calibration.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)
+    stations = []
+    for block in blocks:
+        (tmp_path / "station.yaml").write_text(block, encoding="utf-8")
+        stations.append(load_station(tmp_path / "station.yaml", {}))
+    assert [station.robot.type for station in stations] == ["ur", "denso"]
+    assert all(station.planning is not None for station in stations)
