@@ -1,12 +1,14 @@
 # SPDX-FileCopyrightText: 2026 active_handeye contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What `run` goes on with."""
+"""What `run` works on, and what it goes on with."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+from cv_active_handeye.cameras.simulated import SimulatedCameraConfig
 from cv_active_handeye.cli.running import planned
+from cv_active_handeye.cli.station import station_of
 from cv_active_handeye.plan_file import Plan, PlannedPose, PlannedStop
 from cv_active_handeye.robots.registry import open_robot
 from cv_active_handeye.robots.workspace import Box, Workspace
@@ -31,3 +33,14 @@ def test_resumed_run_keeps_to_the_workspace_of_its_plan(tmp_path: Path) -> None:
     settings, again = planned(tmp_path, station, {}, resume=True)
     assert again.sha256() == plan.sha256()
     assert settings.workspace == plan.workspace
+
+
+def test_simulated_camera_looks_at_the_emulator_that_the_host_names(tmp_path: Path) -> None:
+    """Also where the robot's kind stands in the file."""
+    (tmp_path / "station.yaml").write_text(
+        "schema_version: 1\nrobot: {type: denso, host: 192.168.0.1}\ncamera: {type: opencv, source: 0}\n"
+    )
+    station = station_of(tmp_path / "station.yaml", None, "127.0.0.9", None, "sim", None, None)
+    assert station.robot.model_dump()["host"] == "127.0.0.9"
+    assert isinstance(station.camera, SimulatedCameraConfig)
+    assert station.camera.host == "127.0.0.9"
