@@ -9,7 +9,7 @@
 #include "recording.hpp"
 
 #include <opencv2/active_handeye.hpp>
-#include ACTIVE_HANDEYE_CALIB_HEADER
+#include <opencv2/calib3d.hpp>
 
 #include <algorithm>
 #include <cstdio>
