@@ -7,6 +7,7 @@
 #   make bench     the benchmarks behind the tables of the README
 #   make sanitize  C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
 #   make fuzz      detectStripe under the sanitizers, and what reads a robot's bytes, with random input, FUZZ_SECONDS (60) each
+#   make ur-sample the C++ sample for UR arms: builds ur_rtde from its source package, and runs the sample against the emulator
 #   make setup     only what these have in common: system packages, virtual environment, build
 # Everything goes into .venv, build and out. A second run builds only what changed and fetches nothing.
 
@@ -26,7 +27,9 @@ export CMAKE_BUILD_PARALLEL_LEVEL ?= $(JOBS)
 CMAKE_FILES := CMakeLists.txt $(shell find cmake modules python/bindings -name CMakeLists.txt -o -name '*.cmake' -o -name '*.map')
 CPP_FILES := $(shell find modules/active_handeye/include modules/active_handeye/src python/bindings -name '*.[ch]pp')
 
-.PHONY: setup demo test test-cpp test-python lint format stubs bench sanitize fuzz clean distclean system-packages
+UR_RTDE := ur_rtde-1.6.5
+
+.PHONY: setup demo test test-cpp test-python lint format stubs bench sanitize fuzz ur-sample clean distclean system-packages
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.installed
@@ -100,6 +103,21 @@ fuzz: setup $(VENV)/.fuzz
 	@cmake --build build/asan-ubsan --target active_handeye_fuzz_detect_stripe
 	cd build/asan-ubsan && bin/active_handeye_fuzz_detect_stripe -max_total_time=$(FUZZ_SECONDS)
 	for target in fuzz/fuzz_*.py; do $(BIN)/python $$target -max_total_time=$(FUZZ_SECONDS) -verbosity=0 || exit 1; done
+
+build/ur_rtde/.installed: | setup
+	@scripts/system-packages $(PYTHON) ur-sample
+	@echo "Building $(UR_RTDE) (some minutes)"
+	@$(BIN)/python -m pip download --quiet --no-deps --no-binary ur_rtde --dest build/ur_rtde $(subst -,==,$(UR_RTDE))
+	@tar -xzf build/ur_rtde/$(UR_RTDE).tar.gz -C build/ur_rtde
+	@cmake -S build/ur_rtde/$(UR_RTDE) -B build/ur_rtde/build -DCMAKE_BUILD_TYPE=Release -DPYTHON_BINDINGS=OFF -DBUILD_STATIC=ON \
+	  -DEXAMPLES=OFF -DCMAKE_INSTALL_PREFIX=$(CURDIR)/build/ur_rtde/install >build/ur_rtde/build.log
+	@nice -n 10 cmake --build build/ur_rtde/build --target install >>build/ur_rtde/build.log
+	@touch $@
+
+ur-sample: build/ur_rtde/.installed
+	@cmake -S . -B build/ur_sample -DACTIVE_HANDEYE_BUILD_SAMPLES=ON -DCMAKE_PREFIX_PATH=$(CURDIR)/build/ur_rtde/install >/dev/null
+	@cmake --build build/ur_sample --target ur_live
+	$(BIN)/python -m pytest test/e2e/test_ur_sample.py
 
 clean:
 	rm -rf build out .mypy_cache .ruff_cache .pytest_cache $(VENV)/.installed

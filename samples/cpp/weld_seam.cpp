@@ -6,10 +6,10 @@
 //
 // weld_seam DATASET CALIBRATION, with the folder and the file that the demo writes: out/demo/scan
 // out/demo/calibration.yaml. doc/files.md describes both.
+#include "recording.hpp"
+
 #include <opencv2/active_handeye.hpp>
 #include <opencv2/imgcodecs.hpp>
-
-#include <yaml-cpp/yaml.h>
 
 #include <cmath>
 #include <cstdio>
@@ -75,16 +75,6 @@ struct Roots
     }
 };
 
-//! A list of numbers, or of rows of numbers, as 3 x n.
-cv::Mat matrix(const YAML::Node& node)
-{
-    cv::Mat result;
-    for (const YAML::Node& row : node)
-        for (const YAML::Node& value : row.IsSequence() ? row : YAML::Node(std::vector<double>{row.as<double>()}))
-            result.push_back(value.as<double>());
-    return result.reshape(1, 3);
-}
-
 void run(const std::string& folder, const Calibration& tool)
 {
     const YAML::Node views = YAML::LoadFile(folder + "/dataset.yaml")["views"];
@@ -92,8 +82,8 @@ void run(const std::string& folder, const Calibration& tool)
     Roots roots;
     for (const YAML::Node& view : views)
     {
-        R.push_back(matrix(view["R_gripper2base"]));
-        t.push_back(matrix(view["t_gripper2base"]));
+        R.push_back(recording::matrix(view["R_gripper2base"]));
+        t.push_back(recording::matrix(view["t_gripper2base"]));
         const auto image = [&](const char* key)
         {
             return view[key].IsNull() ? cv::Mat()

@@ -92,13 +92,17 @@ def run(
 
 
 def planned(folder: Path, config: StationConfig, asked: dict[str, object], resume: bool) -> tuple[PlanSettings, Plan]:
-    """Makes a plan from where the robot stands and writes it to the folder; with `resume` that of the folder counts."""
+    """Makes a plan from where the robot stands and writes it to the folder; with `resume` that of the folder counts.
+
+    What is planned anew later keeps to the same workspace, also where that was drawn around the first start.
+    """
     path = folder / PLAN_NAME
     if resume:
         captured = folder / "dataset" / PLAN_NAME
         plan = Plan.load(captured if captured.is_file() else path)
         with open_robot(config.robot, live=False) as arm:
-            return planning_of(config, arm, asked), plan
+            settings = planning_of(config, arm, asked)
+        return settings.model_copy(update={"workspace": plan.workspace}), plan
     if (folder / "dataset" / FILE_NAME).is_file():
         raise FileExistsError(f"{folder}: already holds a run; --resume goes on with it")
     with (

@@ -41,7 +41,7 @@ def station_of(
     """The station of the file with what the options say on top; a simulated camera looks at the emulator at `host`."""
     said: dict[str, Any] = {
         "robot": _given(type=robot, host=host, model=model),
-        "camera": _given(type=camera, host=host if camera == "sim" and robot not in (None, "sim") else None),
+        "camera": _given(type=camera, host=host if camera == "sim" else None),
         "laser": _given(type=laser or ("camera_line" if camera == "sim" else None)),
         "speed": _given(metres_per_second=None if speed_mm_s is None else speed_mm_s / 1000),
     }

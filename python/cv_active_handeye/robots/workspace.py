@@ -38,6 +38,11 @@ class Box(BaseModel):
         mm = 1000 * points
         return np.asarray(((mm >= self.lower_mm) & (mm <= self.upper_mm)).all(axis=-1))
 
+    def text(self) -> str:
+        """For messages, to the mm."""
+        lower, upper = np.array(self.lower_mm) / 1000, np.array(self.upper_mm) / 1000
+        return f"from {mm_text(lower)} to {mm_text(upper)} mm"
+
 
 class Workspace(BaseModel):
     """What flange, camera and laser must not leave, must not enter, and how far one move may go.
@@ -62,14 +67,12 @@ class Workspace(BaseModel):
             what = "the flange" if i == 0 else f"the tool's point {self.tool_points_mm[i - 1]} mm"
             if not self.box.holds(point):
                 raise MoveRefusedError(
-                    f"workspace: {what} would be at {mm_text(point)} mm, outside of the box from "
-                    f"{self.box.lower_mm} to {self.box.upper_mm} mm"
+                    f"workspace: {what} would be at {mm_text(point)} mm, outside of the box {self.box.text()}"
                 )
             for box in self.no_go:
                 if box.holds(point):
                     raise MoveRefusedError(
-                        f"workspace: {what} would be at {mm_text(point)} mm, inside the no-go box from "
-                        f"{box.lower_mm} to {box.upper_mm} mm"
+                        f"workspace: {what} would be at {mm_text(point)} mm, inside the no-go box {box.text()}"
                     )
 
     def check_step(self, start: Array, end: Array) -> None:
