@@ -53,7 +53,7 @@ NAMED = {
     "unreachable": "reach|no joint solution|refuse",
     "drop_link": "link lost|connection|closed",
     "frozen_timestamp": "stale pose|link lost|stands still",
-    "silent_port": "link lost|stale pose|answer",
+    "silent_port": "link lost|stale pose|answer|silent",
     "not_remote": "remote control|automatic|Auto",
     "slow_settling": "not arrived|come to rest|steady",
     "pose_noise": "not arrived|come to rest|off the path",

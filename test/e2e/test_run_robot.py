@@ -21,6 +21,7 @@ from cv_active_handeye.plan_file import Plan
 from cv_active_handeye.report import calibration_errors, inside_intervals
 from cv_active_handeye.simulation import SimulatedCell
 from cv_active_handeye.simulation.emulators import moves_after_stop
+from cv_active_handeye.workflow.event_log import read_events as captured
 
 pytestmark = pytest.mark.timeout(280)
 PROGRAM = [sys.executable, "-c", "import sys; from cv_active_handeye.cli import app; sys.exit(app())"]
@@ -55,6 +56,7 @@ def station(emulator: UrEmulatorProcess, tmp_path_factory: pytest.TempPathFactor
         "camera": {"type": "sim", "host": emulator.host, "port": int(emulator.ready.rsplit(":", 1)[1])},
         "laser": {"type": "camera_line", "settle_s": 0.0},
         "capture": {"settle": {"dwell_s": 0.05}},
+        "calibration": {"lens_model": "none"},
     }
     file.write_text(yaml.safe_dump(content))
     return file
@@ -64,10 +66,10 @@ def test_nothing_moves_without_live_nor_without_the_word(
     emulator: UrEmulatorProcess, station: Path, tmp_path: Path
 ) -> None:
     emulator.begin()
-    looked = call("run", tmp_path / "look", "--station", station, "--stops", "8")
+    looked = call("run", tmp_path / "look", "--station", station, "--stops", "10")
     assert looked.returncode == 0, looked.stdout
     assert "Nothing was moved" in looked.stdout
-    assert len(Plan.load(tmp_path / "look" / "plan.yaml").stops) == 8
+    assert len(Plan.load(tmp_path / "look" / "plan.yaml").stops) == 10
     plan = tmp_path / "look" / "plan.yaml"
     refused = call("capture", tmp_path / "set", "--plan", plan, "--station", station, "--live", said="yes\n")
     assert refused.returncode == 6
@@ -94,6 +96,9 @@ def test_run_calibrates_the_emulated_robot_as_well_as_it_says(
     assert Dataset.open(folder / "dataset").problems() == []
     assert len(Dataset.open(folder / "check")) >= 3
     assert "Valid:" in done.stdout
+    kinds = [event["event"] for event in captured(folder / "events.jsonl")]
+    assert "plan" in kinds  # the rest was chosen anew from what had been seen
+    assert kinds.count("stored") == 12 + len(Dataset.open(folder / "check"))
     assert (folder / "report.html").stat().st_size > 10_000
     events = emulator.events()
     assert moves_after_stop(events) == []
