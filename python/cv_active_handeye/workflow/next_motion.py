@@ -22,25 +22,26 @@ from .plan_views import Start, start_of
 from .reporter import NO_CONVERGENCE, InsufficientDataError, Reporter, Silent
 
 NEW_STOPS = 4
-"""Stops after which it is worth calibrating again."""
+"""Stops after an improvement, before which it is not worth calibrating again."""
 
 
 def next_motion(robot: Robot, options: CalibrationOptions, settings: PlanSettings, reporter: Reporter) -> Improve:
     """What `Capture.run` asks after each group: the plan with its rest improved, or None when the target is met.
 
-    As long as the views taken cannot be calibrated, and after fewer than `NEW_STOPS` further ones, the plan stays.
+    As long as the views taken cannot be calibrated, and for `NEW_STOPS` stops after it was improved, the plan stays.
     """
     looked_at = 0
 
     def improve(dataset: Dataset, plan: Plan) -> Plan | None:
         nonlocal looked_at
         taken, last = len(dataset), len(dataset) == len(plan.stops)
-        if (last and settings.target_sigma_mm is None) or (not last and taken - looked_at < NEW_STOPS):
+        worth_it = settings.target_sigma_mm is not None if last else taken - looked_at >= NEW_STOPS
+        if not worth_it:
             return plan
-        looked_at = taken
         found = _calibrated(dataset, options)
         if found is None:
             return plan
+        looked_at = taken
         calibration, summary = found
         if target_met(calibration, settings):
             return None
