@@ -111,6 +111,8 @@ def trial(seed: int, folder: Path) -> Trial:
         broken = _judged(folder, first, fault)
         views = _views(folder)
         kept = _bytes(folder)
+        if device == "ur":
+            emulator.link.fault("program_stopped")  # as the message after a lost connection asks
         emulator.link.clear()
         if first.status != 0:
             second = _capture(folder, resume=(folder / "set" / FILE_NAME).is_file())
