@@ -17,17 +17,24 @@ from ..files import FloatArray, read_yaml, validate
 from ..plan_file import Plan
 from ..report.plan_picture import picture_plan
 from ..robots.kinematics import ARMS, arm
+from ..robots.registry import open_robot
+from ..station import StationConfig
 from ..workflow.plan import make_plan
 from ..workflow.plan_order import motor_seconds
 from ..workflow.plan_settings import PlanSettings
-from ..workflow.plan_views import Start
+from ..workflow.plan_views import Start, start_of
+from ..workflow.planned_station import planning_of
 from .application import Settings, command, print_lines
 from .console import out, terminal_reporter, told_errors
+from .station import CameraKind, HostName, Model, RobotKind, StationFile, station_of
 from .tables import plain_table
 
 _UNITS_MM = {"mm": 1.0, "um": 0.001, "m": 1000.0, "": 1.0}
 
-SettingsFile = Annotated[Path, typer.Argument(help="YAML file: mounting, optics, boxes, noise.", metavar="SETTINGS")]
+SettingsFile = Annotated[
+    Path | None,
+    typer.Argument(help="YAML file: mounting, optics, boxes, noise; default: the station's.", metavar="SETTINGS"),
+]
 PlanFile = Annotated[Path, typer.Option("--output", "-o", help="Plan file.")]
 PlanPicture = Annotated[Path | None, typer.Option("--picture", help="PNG file; default: beside the plan.")]
 Stops = Annotated[int | None, typer.Option(min=4, help="Number of stops.")]
@@ -35,7 +42,6 @@ TargetSigma = Annotated[
     str | None,
     typer.Option(help="As few stops as predict this standard deviation of t_cam2gripper, such as 0.2mm."),
 ]
-Model = Annotated[str | None, typer.Option(help=f"Arm whose limits are kept: {', '.join(sorted(ARMS))}.")]
 StartJoints = Annotated[str | None, typer.Option(help="Start: six joint angles, degrees, separated by commas.")]
 StartPose = Annotated[
     str | None, typer.Option(help="Start: flange x,y,z in mm and rotation vector in degrees, separated by commas.")
@@ -43,16 +49,22 @@ StartPose = Annotated[
 
 
 @command(
+    "plan --station station.yaml --stops 24",
+    "plan --robot ur --host 127.0.0.1 --camera sim --target-sigma 0.2mm",
     "plan cell.yaml --model ur5e --start-joints 0,-90,90,-90,-90,0 --stops 24",
     "plan cell.yaml --start-pose 400,0,300,180,0,0 --target-sigma 0.2mm -o plan.yaml",
 )
 def plan(
-    settings: SettingsFile,
+    settings: SettingsFile = None,
     output: PlanFile = Path("plan.yaml"),
     picture: PlanPicture = None,
     stops: Stops = None,
     target_sigma: TargetSigma = None,
+    station: StationFile = None,
+    robot: RobotKind = None,
+    host: HostName = None,
     model: Model = None,
+    camera: CameraKind = None,
     start_joints: StartJoints = None,
     start_pose: StartPose = None,
 ) -> None:
@@ -62,17 +74,32 @@ def plan(
     limits and away from singularities, all along the straight lines from stop to stop. Predicted standard deviations
     are those that the calibration would state.
 
-    The start is where the camera looks at the scene from the stand-off of the settings.
+    The start is where the camera looks at the scene from the stand-off of the settings: where the station's robot
+    stands now, which is only looked at, or what the options say.
     """
     with terminal_reporter() as reporter, told_errors(Settings.debug, reporter):
-        asked = plan_settings(settings, asked_stops(stops, target_sigma))
-        made = make_plan(start_from(model, start_joints, start_pose), asked, reporter)
+        wanted = asked_stops(stops, target_sigma)
+        if settings is None or station is not None or robot is not None:
+            if start_joints is not None or start_pose is not None:
+                raise typer.BadParameter("the station's robot says where it stands", param_hint="--start-pose")
+            config = station_of(station, robot, host, model, camera, None, None)
+            start, asked = start_at(config, settings, wanted)
+        else:
+            start, asked = start_from(model, start_joints, start_pose), plan_settings(settings, wanted)
+        made = make_plan(start, asked, reporter)
         output.parent.mkdir(parents=True, exist_ok=True)
         made.save(output)
         shown = output.with_suffix(".png") if picture is None else picture
         draw_plan(shown, made, asked)
     out.print(predictions_table(made))
     print_lines(*plan_lines(made, asked), f"Written to {output}", f"Picture: {shown}")
+
+
+def start_at(config: StationConfig, settings: Path | None, wanted: dict[str, Any]) -> tuple[Start, PlanSettings]:
+    """Where the robot of a station stands, and the settings of a file or else of the station."""
+    with open_robot(config.robot, live=False) as arm:
+        asked = planning_of(config, arm, wanted) if settings is None else plan_settings(settings, wanted)
+        return start_of(arm), asked
 
 
 def plan_settings(file: Path, asked: dict[str, Any]) -> PlanSettings:
