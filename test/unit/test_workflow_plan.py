@@ -67,10 +67,8 @@ def test_plan_holds_two_groups_of_translations_that_stay_together_and_turns(plan
     assert len(groups) == 12
     counts = [groups.count(group) for group in set(groups)]
     assert sum(count >= 4 for count in counts) >= 2
-    for group in set(groups):
-        if groups.count(group) >= 3:
-            first = groups.index(group)
-            assert groups[first : first + groups.count(group)] == [group] * groups.count(group)
+    # a stop that only another orientation leads to may stand between those of a group
+    assert sum(a != b for a, b in pairwise(groups)) <= len(counts) + 1
     rotations = np.array([stop.R_gripper2base for stop in plan.stops])
     assert cah.groupViews(rotations).reshape(-1).tolist() == groups
 
