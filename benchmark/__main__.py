@@ -28,7 +28,7 @@ PARALLEL = (
 NAMES = (
     *PARALLEL,
     *("closed_form", "foe", "speed", "refine_speed", "stripe_centre", "reproject_speed", "tracking", "detectors"),
-    "real_data",
+    *("robots", "faults", "real_data"),
 )
 MARKERS = "<!-- accuracy: written by make bench -->", "<!-- end of accuracy -->"
 
@@ -84,6 +84,10 @@ HEADLINES = (
     ),
     Headline("planning", "*the paper's set*", "planned stops: predicted sigma / that of the paper's set of motions"),
     Headline("planning", "prediction*", "- prediction is off from 300 refined trials by [%]"),
+    Headline("robots", "ur: median translation*", "`run` with ur_rtde and pypylon on emulators: camera position [mm]"),
+    Headline("robots", "denso: median translation*", "- with b-CAP on the emulated DENSO: camera position [mm]"),
+    Headline("faults", "moves after*", "faults during captures: moves after a stop condition"),
+    Headline("faults", "lost*", "- lost views"),
     Headline("degenerate", "usable answers off by*", "- silent wrong answers in 2200 degenerate recordings"),
     Headline("robust", "*error / clean error*", "- RMSE with wrong tracks or poses / RMSE without"),
     Headline("foe", "*median error*", "`estimateFOE`: median error / that of OpenCV's essential matrix"),
