@@ -247,7 +247,7 @@ def _ended(capture: Capture) -> str:
 
 def report_of(trials: Sequence[Trial]) -> Report:
     """Counts of broken promises, and a row a fault and device."""
-    broken = Counter(text.split(":")[0].removeprefix("resumed") for one in trials for text in one.broken)
+    broken = Counter(text.removeprefix("resumed: ").split(":")[0] for one in trials for text in one.broken)
     kinds = sorted({(one.device, one.fault) for one in trials})
     rows = []
     for device, fault in kinds:
@@ -288,7 +288,7 @@ _NOTE = (
 
 
 def _count(broken: Counter[str], *words: str) -> int:
-    return sum(number for text, number in broken.items() if any(word in text for word in words))
+    return sum(number for text, number in broken.items() if text.startswith(words))
 
 
 def measure(trials: int = TRIALS, workers: int = 2, first: int = 0) -> Report:
