@@ -112,5 +112,5 @@ def test_start_joints_are_those_of_the_arm() -> None:
 
 def test_example_settings_of_the_pages_are_right() -> None:
     page = (Path(__file__).parents[2] / "doc/files.md").read_text(encoding="utf-8")
-    block = page.split("## Plan settings")[1].split("```yaml\n")[1].split("```")[0]
+    block = page.split("The settings of `plan` are a file")[1].split("```yaml\n")[1].split("```")[0]
     PlanSettings.model_validate(yaml.safe_load(block))
