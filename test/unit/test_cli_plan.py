@@ -61,6 +61,14 @@ def test_plan_starts_where_the_robot_of_the_station_stands(tmp_path: Path) -> No
     assert "the station's robot says where it stands" in twice.output
 
 
+def test_too_few_stops_are_called_that(tmp_path: Path) -> None:
+    outcome = run("plan", "--robot", "sim", "--camera", "sim", "--stops", "8", "-o", tmp_path / "plan.yaml")
+    assert outcome.exit_code == Exit.INSUFFICIENT_DATA
+    assert "8 stops do not suffice: " in outcome.output
+    assert "more stops may" in outcome.output
+    assert not (tmp_path / "plan.yaml").exists()
+
+
 def test_stops_on_the_command_line_replace_those_of_the_file(cell: Path) -> None:
     outcome = run("plan", cell, f"--start-pose={pose_text()}", "--stops", "9", "--picture", "other.png")
     assert outcome.exit_code == Exit.USABLE, outcome.output

@@ -8,6 +8,7 @@ with `live=False` unless somebody said otherwise, and then has no connection tha
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import Enum
 from types import TracebackType
@@ -78,6 +79,11 @@ class Speed(BaseModel):
 
     metres_per_second: float = Field(default=0.05, gt=0, le=0.25)
     metres_per_second2: float = Field(default=0.2, gt=0, le=1.0)
+
+    def seconds(self, length: float) -> float:
+        """Time for a way of so many metres with a trapezoidal profile."""
+        v, a = self.metres_per_second, self.metres_per_second2
+        return length / v + v / a if length > v * v / a else 2 * math.sqrt(length / a)
 
 
 @runtime_checkable

@@ -52,6 +52,4 @@ def check_plan(robot: GuardedRobot, plan: Plan, first: int = 0) -> list[PlannedM
 
 def motor_time(length: float, angle_deg: float, speed: Speed) -> float:
     """Seconds of a straight move with a trapezoidal profile; turns count at `TURN_RADIUS`."""
-    way = max(length, math.radians(angle_deg) * TURN_RADIUS)
-    v, a = speed.metres_per_second, speed.metres_per_second2
-    return way / v + v / a if way > v * v / a else 2 * (way / a) ** 0.5
+    return speed.seconds(max(length, math.radians(angle_deg) * TURN_RADIUS))

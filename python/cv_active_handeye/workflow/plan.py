@@ -154,7 +154,8 @@ class _Choice:
         except cah.error as error:
             if error.code not in (NO_CONVERGENCE, _OUT_OF_RANGE):
                 raise
-            raise InsufficientDataError(f"{str(error).strip()}; {self.views.obstacles()}") from error
+            text = f"{stops} stops do not suffice: {str(error).strip()}; more stops may; {self.views.obstacles()}"
+            raise InsufficientDataError(text) from error
         return sigma, [allowed[view - len(self.done)] for view in chosen]
 
     def _number_of_stops(self) -> int:

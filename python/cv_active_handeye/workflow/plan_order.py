@@ -37,9 +37,7 @@ def motor_seconds(start: FloatArray, poses: Sequence[FloatArray], settings: Plan
 def _leg_seconds(start: FloatArray, end: FloatArray, settings: PlanSettings) -> float:
     """A straight line with a trapezoidal profile, or the turn where that takes longer."""
     length, angle = step_size(start, end)
-    v, a = settings.speed.metres_per_second, settings.speed.metres_per_second2
-    line = length / v + v / a if length > v * v / a else 2 * float(np.sqrt(length / a))
-    return max(line, angle / settings.turn_deg_per_second)
+    return max(settings.speed.seconds(length), angle / settings.turn_deg_per_second)
 
 
 def order_stops(start: Start, poses: Sequence[FloatArray], groups: Sequence[int], settings: PlanSettings) -> Order:
