@@ -140,12 +140,7 @@ class _Choice:
             sigma, chosen = cah.planHandEyeViews(
                 poses[:, :3, :3],
                 poses[:, :3, 3],
-                known.points,
-                known.image_size,
-                known.camera_matrix,
-                known.distortion,
-                known.T_cam2gripper[:3, :3],
-                known.T_cam2gripper[:3, 3],
+                *known.arguments(),
                 stops,
                 taken=list(range(len(self.done))) or None,
                 params=known.params,

@@ -75,6 +75,11 @@ class Knowledge:
             surfaces=None if light is None else surface_of(start, settings),
         )
 
+    def arguments(self) -> tuple[FloatArray, tuple[int, int], FloatArray, FloatArray | None, FloatArray, FloatArray]:
+        """Scene and camera in the order of `cah.predictHandEyeCovariance` and `cah.planHandEyeViews`."""
+        T = self.T_cam2gripper
+        return self.points, self.image_size, self.camera_matrix, self.distortion, T[:3, :3], T[:3, 3]
+
 
 def predict(poses: Sequence[FloatArray], knowledge: Knowledge) -> Prediction:
     """Predicted standard deviations with stops at flange poses (4, 4), two or more."""
@@ -83,12 +88,7 @@ def predict(poses: Sequence[FloatArray], knowledge: Knowledge) -> Prediction:
         sigma, covariance, _, _ = cah.predictHandEyeCovariance(
             stops[:, :3, :3],
             stops[:, :3, 3],
-            known.points,
-            known.image_size,
-            known.camera_matrix,
-            known.distortion,
-            known.T_cam2gripper[:3, :3],
-            known.T_cam2gripper[:3, 3],
+            *known.arguments(),
             lightPlane=known.light_plane,
             surfaces=known.surfaces,
             params=known.params,
