@@ -102,6 +102,7 @@ void VarianceComponents::solve()
     const Eigen::LLT<MatrixXd> llt(scaled);
     covariance_ = inverse(llt);
     inflation_ = covariance_.diagonal();
+    logDeterminant_ = 2 * (MatrixXd(llt.matrixLLT()).diagonal().array() / scale.array()).log().sum();
     covariance_ = scale.asDiagonal() * covariance_ * scale.asDiagonal();
 
     step_ = -covariance_ * gradient;
@@ -197,6 +198,15 @@ double VarianceComponents::estimate()
         if (isFree_[k])
             change = std::max(change, std::abs(std::log(variance_[k] / start(k))) / 2);
     return change;
+}
+
+double VarianceComponents::deviance() const
+{
+    double sum = logDeterminant_;
+    for (int k = 0; k < NOISE_COMPONENTS; ++k)
+        if (isPresent(k))
+            sum += count_[k] * std::log(variance_[k]) + quadratic_(k);
+    return sum;
 }
 
 NoiseLevels VarianceComponents::levels() const

@@ -46,6 +46,9 @@ public:
     //! Where the reduced unknowns have their optimum, seen from the linearisation.
     const Eigen::VectorXd& step() const { return step_; }
 
+    //! -2 log restricted likelihood of the present levels, but for a constant of the linearisation.
+    double deviance() const;
+
     //! Degrees of freedom of the variance of J u (Satterthwaite); infinite when no level was estimated.
     double degreesOfFreedom(const Eigen::VectorXd& J) const;
 
@@ -74,6 +77,7 @@ private:
     bool isFree_[NOISE_COMPONENTS], isAtFloor_[NOISE_COMPONENTS];
 
     Eigen::MatrixXd covariance_, traces_;
+    double logDeterminant_;         //!< of H
     Eigen::MatrixXd stripeProduct_; //!< T of the stripes
     Eigen::Vector4d quadratic_, trace_;
     Eigen::Matrix4d logVarianceCovariance_;

@@ -83,7 +83,12 @@ private:
     std::vector<double> usedErrors() const; //!< px
     void firstNoiseLevels(double scale);
     bool isDoubted(int view) const;
+    double devianceOfShift(int view) const;
+    double robotRedundancy() const;
+    double beliefInNoise(double devianceOfNoise, double redundancy, double devianceOfShift) const;
     double beliefInView(int view) const;
+    bool areRobotLevelsKnown() const;
+    bool rehabilitate(int view, double level);
     bool rehabilitateView(double level);
     bool doubtViews();
     double viewStatistic(int view, const Eigen::Matrix<double, 6, 6>& predicted) const;

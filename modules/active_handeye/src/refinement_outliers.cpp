@@ -204,28 +204,77 @@ double HandEyeRefinement::viewStatistic(int view, const Matrix6d& predicted) con
     return sum;
 }
 
-//! P-value of the correction of a view whose pose is free, were it the robot's noise.
+//! Deviance were the pose of a view, which is free, the robot's noise about a shifted mean.
+double HandEyeRefinement::devianceOfShift(int view) const
+{
+    const Eigen::LLT<Matrix6d> llt(Matrix6d(priorCovariance() + poseCovariance(view)));
+    return components_->deviance() + 2 * Matrix6d(llt.matrixLLT()).diagonal().array().log().sum();
+}
+
+double HandEyeRefinement::robotRedundancy() const
+{
+    return components_->effectiveRedundancy(NOISE_TRANSLATION) + components_->effectiveRedundancy(NOISE_ROTATION);
+}
+
+/** P-value of the robot's noise as the reason of a view's correction, from the deviances of that reason and of a shift.
+
+Each has the noise levels that suit it best, so that no level is held for known which the other views do not know. With one level alone the ratio r of the
+likelihoods of n residuals is Fisher's test: F = (r^(2/n) - 1) (n - 6) / 6.
+*/
+double HandEyeRefinement::beliefInNoise(double devianceOfNoise, double redundancy, double devianceOfShift) const
+{
+    const double ratio = devianceOfNoise - devianceOfShift;
+    if (isLevelGiven(NOISE_TRANSLATION) && isLevelGiven(NOISE_ROTATION))
+        return chiSquareTail(ratio, 6);
+    const double rest = std::max(redundancy - 6, 1.);
+    return fTail(std::max(std::expm1(ratio / (rest + 6)), 0.) * rest / 6, 6, rest);
+}
+
+//! Whether the views that are believed know the robot's noise, so that the correction of another can be held against it.
+bool HandEyeRefinement::areRobotLevelsKnown() const
+{
+    const double enough = 6;
+    const int levels[] = {NOISE_TRANSLATION, NOISE_ROTATION};
+    return std::all_of(levels, levels + 2,
+                       [&](int k) { return isLevelGiven(k) || components_->effectiveRedundancy(k) >= enough; });
+}
+
+//! P-value of the correction of a view whose pose is free, were it the robot's noise at its present levels.
 double HandEyeRefinement::beliefInView(int view) const
 {
-    const double redundancy =
-        components_->effectiveRedundancy(NOISE_TRANSLATION) + components_->effectiveRedundancy(NOISE_ROTATION);
     const double statistic = viewStatistic(view, priorCovariance() + poseCovariance(view));
     return isLevelGiven(NOISE_ROTATION) ? chiSquareTail(statistic, 6)
-                                        : fTail(statistic / 6, 6, std::max(redundancy, 1.));
+                                        : fTail(statistic / 6, 6, std::max(robotRedundancy(), 1.));
+}
+
+//! Believes a view, whose pose is free, if the robot's noise explains its correction after all. Returns whether it does.
+bool HandEyeRefinement::rehabilitate(int view, double level)
+{
+    if (beliefInView(view) < level && areRobotLevelsKnown())
+        return false;
+    const double shifted = devianceOfShift(view);
+    const CalibrationState state = problem_.state;
+    const NoiseLevels noise = problem_.noise;
+    problem_.unknowns.poses[view] = POSE_PRIOR;
+    fit(1e-6);
+    if (beliefInNoise(components_->deviance(), robotRedundancy(), shifted) >= level)
+        return true;
+    problem_.unknowns.poses[view] = POSE_FREE;
+    problem_.state = state;
+    problem_.noise = noise;
+    fit(1e-6);
+    return false;
 }
 
 //! Believes a view again whose correction the robot's noise explains after all. Returns whether there was one.
 bool HandEyeRefinement::rehabilitateView(double level)
 {
     for (size_t i = 0; i < doubtedViews_.size(); ++i)
-    {
-        const int view = doubtedViews_[i];
-        if (problem_.unknowns.poses[view] != POSE_FREE || beliefInView(view) < level)
-            continue;
-        problem_.unknowns.poses[view] = POSE_PRIOR;
-        doubtedViews_.erase(doubtedViews_.begin() + i);
-        return true;
-    }
+        if (problem_.unknowns.poses[doubtedViews_[i]] == POSE_FREE && rehabilitate(doubtedViews_[i], level))
+        {
+            doubtedViews_.erase(doubtedViews_.begin() + i);
+            return true;
+        }
     return false;
 }
 
@@ -237,7 +286,8 @@ bool HandEyeRefinement::doubtViews()
     const double level = 1e-3 / views;
     const std::vector<int> doubtedBefore = doubtedViews_;
     while (rehabilitateView(level))
-        fit(1e-6);
+    {
+    }
     while (int(doubtedViews_.size()) < views / 3)
     {
         int worst = -1;
@@ -251,9 +301,10 @@ bool HandEyeRefinement::doubtViews()
             }
         if (worst < 0 || chiSquareTail(largest, 6) > level)
             break;
+        const double deviance = components_->deviance(), redundancy = robotRedundancy();
         problem_.unknowns.poses[worst] = POSE_FREE;
         fit(1e-6);
-        const bool isBelieved = beliefInView(worst) > level;
+        const bool isBelieved = beliefInNoise(deviance, redundancy, devianceOfShift(worst)) > level;
         if (isBelieved)
             problem_.unknowns.poses[worst] = POSE_PRIOR;
         else

@@ -143,6 +143,25 @@ TEST(ActiveHandEye_NoiseLevels, score_and_information_are_those_of_the_restricte
         << information;
 }
 
+TEST(ActiveHandEye_NoiseLevels, differences_of_the_deviance_are_those_of_the_restricted_likelihood)
+{
+    SmallProblem small(everything());
+    startAway(small.problem);
+    const NoiseLevels first = small.problem.noise;
+    const VarianceComponents components(small.problem, allFree, noFloors);
+    const RestrictedLikelihood likelihood(small.problem);
+    for (const NoiseLevels& levels :
+         {NoiseLevels{2 * first.point, first.stripe, first.translation, first.rotation},
+          NoiseLevels{first.point, 0.5 * first.stripe, first.translation, first.rotation},
+          NoiseLevels{first.point, first.stripe, 0.01 * first.translation, 3 * first.rotation}})
+    {
+        small.problem.noise = levels;
+        const double change = VarianceComponents(small.problem, allFree, noFloors).deviance() - components.deviance();
+        const double expected = -2 * (likelihood.value(logVariances(levels)) - likelihood.value(logVariances(first)));
+        EXPECT_NEAR(expected, change, 1e-3 * std::abs(expected));
+    }
+}
+
 TEST(ActiveHandEye_NoiseLevels, the_estimate_is_where_the_restricted_likelihood_is_largest)
 {
     SmallProblem small(everything());
