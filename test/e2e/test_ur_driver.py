@@ -54,8 +54,13 @@ def _cleared(emulator: UrEmulatorProcess) -> None:
     emulator.begin()
 
 
+def patient(emulator: UrEmulatorProcess, **options: object) -> UrConfig:
+    """The machine of the tests is a busy one."""
+    return UrConfig.model_validate({"host": emulator.host, "freshness_s": 1.0, "watchdog_s": 3.0, **options})
+
+
 def live(emulator: UrEmulatorProcess) -> UrRobot:
-    return connect(UrConfig(host=emulator.host, freshness_s=1.0), live=True)  # the machine of the tests is a busy one
+    return connect(patient(emulator), live=True)
 
 
 def raised(pose: Array, mm: float) -> Array:
@@ -296,7 +301,7 @@ def test_connect_names_what_is_in_the_way(emulator: UrEmulatorProcess, fault: st
 
 def test_upper_registers_go_round_a_fieldbus(emulator: UrEmulatorProcess) -> None:
     emulator.link.fault("register_conflict")
-    with connect(UrConfig(host=emulator.host, upper_registers=True, freshness_s=1.0), live=True) as robot:
+    with connect(patient(emulator, upper_registers=True), live=True) as robot:
         robot.move_linear(raised(robot.pose().T_gripper2base, 5), FAST)
     assert tool_of(emulator) == TOOL
 

@@ -44,6 +44,7 @@ class UrConfig(BaseModel):
     """A UR controller. model: key of `kinematics.ARMS`, other names (ur20, ...) have no known geometry.
 
     freshness_s: how long the controller's clock may stand still.
+    watchdog_s: how long the controller may hear nothing of us before it stops the arm by itself; None = no watchdog.
     upper_registers: use RTDE registers 24 to 47, where a fieldbus owns those below (PolyScope 3.9 or 5.3, and later).
     """
 
@@ -53,6 +54,7 @@ class UrConfig(BaseModel):
     host: str = Field(min_length=1)
     model: str = "ur5e"
     freshness_s: float = Field(default=0.2, ge=0.05, le=1.0)
+    watchdog_s: float | None = Field(default=0.5, ge=0.2, le=5.0)
     upper_registers: bool = False
 
 
@@ -184,7 +186,7 @@ class UrRobot:
         v, a = speed.metres_per_second, speed.metres_per_second2
         if self._stop_wanted.is_set():
             raise RobotStoppedError(Reason.OPERATOR, "a stop was asked for")
-        if not self._ask("move", pose_vector(target), v, a, deadline=_CALL_S):
+        if not self._ask("move", pose_vector(target), v, a, self._config.watchdog_s, deadline=_CALL_S):
             check_state(self._fresh_state(), live=True)
             raise RobotStoppedError(Reason.CONTROLLER_ERROR, "the controller did not begin the move; see the pendant")
         while not watch.arrived(self._state(), time.monotonic()):

@@ -79,7 +79,10 @@ def check_state(state: UrState, live: bool) -> None:
         mode = ROBOT_MODES.get(state.robot_mode, str(state.robot_mode))
         raise RobotStoppedError(StopReason.CONTROLLER_ERROR, f"the robot's mode is '{mode}'")
     if live and state.runtime_state != PLAYING:
-        text = "the program on the controller ended: somebody stopped it, or a motion was not possible; see the pendant"
+        text = (
+            "the program on the controller ended: somebody stopped it, a motion was not possible, or the controller "
+            "heard nothing of this computer for its watchdog's time (watchdog_s); see the pendant"
+        )
         raise RobotStoppedError(StopReason.PROGRAM_STOPPED, text)
 
 
