@@ -246,7 +246,8 @@ def test_watchdog_ends_the_program_when_packages_stop_and_not_before(emulator: U
         time.sleep(0.005)
     assert time.monotonic() - last >= 0.2
     (event,) = emulator.controller.arm.log.of_kind("stop_condition")
-    assert (event["reason"], event["text"]) == ("watchdog", f"no package with input_int_register_{offset} came for 0.2 s")
+    assert event["reason"] == "watchdog"
+    assert event["text"] == f"no package with input_int_register_{offset} came for 0.2 s"
 
 
 def test_watchdog_is_not_kicked_by_packages_without_its_variable(emulator: UrEmulator) -> None:

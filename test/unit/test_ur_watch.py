@@ -90,12 +90,10 @@ def test_pause_of_this_process_is_no_proof_that_the_clock_stands() -> None:
     fresh.check(GOOD, 10.0)
     fresh.check(GOOD, 15.0)
     fresh.check(replace(GOOD, time=6.0), 15.01)
-    looks = [15.02 + 0.01 * i for i in range(40)]
+    for i in range(20):
+        fresh.check(replace(GOOD, time=6.0), 15.02 + 0.01 * i)
     with pytest.raises(RobotStoppedError, match="stood still"):
-        for now in looks:
-            fresh.check(replace(GOOD, time=6.0), now)
-            last = now
-    assert last == pytest.approx(15.21)
+        fresh.check(replace(GOOD, time=6.0), 15.22)
 
 
 @pytest.mark.parametrize("where", [pose(25, 2.1), pose(-2.1), pose(52.2), pose(25, 0, 3)])

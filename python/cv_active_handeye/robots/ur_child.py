@@ -47,7 +47,7 @@ class Interfaces:
         self._receive: Any = None
         self._control: Any = None
         self._io: Any = None
-        self._tool: list[float] | None = None
+        self._taken: tuple[list[float], str] | None = None
         self._kick_due = 0.0
         self.kick_every: float | None = None
         """Seconds between kicks of the watchdog; None while none is needed."""
@@ -93,25 +93,27 @@ class Interfaces:
         out["moving"] = self._control is not None and self._moving()
         return out
 
-    def take_tool(self) -> list[float]:
-        """Saves the active tool centre point and makes the flange that; returns what it was."""
-        found = list(self._control.getTCPOffset())
-        if len(found) != 6 or not self._control.setTcp([0.0] * 6):
-            raise RuntimeError("the controller did not set the tool centre point")
-        self._tool = found
-        if any(self._control.getTCPOffset()):
-            raise RuntimeError("the controller did not set the tool centre point to zero")
-        return found
+    def tool(self) -> list[float]:
+        """The active tool centre point, a pose vector."""
+        return list(self._control.getTCPOffset())
 
-    def give_tool(self, tool: list[float]) -> bool:
-        """Makes `tool` the active tool centre point again; whether the controller says so."""
+    def take_tool(self, tool: list[float], record: str) -> None:
+        """Makes the flange the tool centre point; `tool` comes back in `leave`, and then the file `record` goes."""
+        self._taken = (tool, record)
+        if not self._control.setTcp([0.0] * 6) or any(self.tool()):
+            raise RuntimeError("the controller did not set the tool centre point to zero")
+
+    def give_tool(self, tool: list[float], record: str) -> bool:
+        """Makes `tool` the active tool centre point again and deletes its record; whether the controller says so."""
         if not self._control.isConnected() or not self._control.isProgramRunning():
             return False
         done = bool(self._control.setTcp(tool)) and all(
-            abs(a - b) < 1e-9 for a, b in zip(self._control.getTCPOffset(), tool, strict=True)
+            abs(a - b) < 1e-9 for a, b in zip(self.tool(), tool, strict=True)
         )
         if done:
-            self._tool = None
+            self._taken = None
+            with suppress(FileNotFoundError):
+                os.unlink(record)
         return done
 
     def move(self, pose: list[float], speed: float, acceleration: float, watchdog_s: float | None) -> bool:
@@ -164,8 +166,8 @@ class Interfaces:
             if self._control.isProgramRunning():
                 if self._moving():
                     self.stop()
-                if self._tool is not None:
-                    self.give_tool(self._tool)
+                if self._taken is not None:
+                    self.give_tool(*self._taken)
                 self._control.stopScript()
             self._control.disconnect()
         for interface in (self._io, self._receive):
@@ -177,8 +179,8 @@ class Interfaces:
 
 
 REQUESTS = (
-    *("open_receive", "open_control", "state", "take_tool", "give_tool", "move", "stop", "steady", "reachable"),
-    *("output", "leave"),
+    *("open_receive", "open_control", "state", "tool", "take_tool", "give_tool", "move", "stop", "steady"),
+    *("reachable", "output", "leave"),
 )
 """What may be asked for."""
 

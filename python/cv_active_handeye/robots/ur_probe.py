@@ -134,6 +134,17 @@ def check_remote(host: str, facts: UrFacts) -> None:
         )
 
 
+def serial_number(host: str, facts: UrFacts) -> str | None:
+    """The controller's serial number, None where it tells none: PolyScope X, and some older versions.
+
+    RobotUnavailableError, within 4 s, where the dashboard does not answer.
+    """
+    if not facts.has_dashboard:
+        return None
+    answer = ask_dashboard(host, "get serial number")[0]
+    return answer if re.fullmatch(r"\d+", answer) else None
+
+
 def stop_without_rtde(host: str, facts: UrFacts) -> bool:
     """The last resort when RTDE is lost: asks dashboard or program port to stop the arm; whether one was told.
 
