@@ -137,6 +137,7 @@ STOPS = {
     "silent_port": {StopReason.STALE_POSE, StopReason.LINK_LOST},
     "frozen_timestamp": {StopReason.STALE_POSE},
     "pose_noise": {StopReason.NOT_ARRIVED, StopReason.OFF_PATH},
+    "nan_pose": {StopReason.CONTROLLER_ERROR},
     "slow_motion=0.002": {StopReason.DEADLINE},
 }
 

@@ -25,8 +25,8 @@ from cv_active_handeye.simulation.emulators import moves_after_stop
 
 pytestmark = [pytest.mark.timeout(180), pytest.mark.skipif(os.name == "nt", reason="pauses and kills are POSIX")]
 WAY_MM, SLOW = 80, 0.02  # 4 s; the link is cut after 40 %
-LEFT_MM = 15
-"""Of the 48 mm that are left when the link is cut, the watchdog's 0.5 s take 10; the rest is for a busy machine."""
+LIMIT_S, LEFT_MM = 0.7, 10
+"""Of the 48 mm that are left when the link is cut, the watchdog's time takes 14; the rest is for a busy machine."""
 
 
 @pytest.fixture
@@ -83,7 +83,7 @@ def test_link_that_is_cut_for_good_in_a_move_leaves_an_arm_that_stands_short_of_
 ) -> None:
     emulator.link.plan_fault("silent_port@move1")
     target = target_of(flange(emulator))
-    robot = connect(UrConfig(host=emulator.host, upper_registers=upper), live=True)
+    robot = connect(UrConfig(host=emulator.host, watchdog_s=LIMIT_S, upper_registers=upper), live=True)
     with pytest.raises(RobotStoppedError, match="COULD NOT BE TOLD TO STOP: press the emergency stop") as caught:
         robot.move_linear(target, Speed(metres_per_second=SLOW))
     assert caught.value.reason in (StopReason.STALE_POSE, StopReason.LINK_LOST)
@@ -100,7 +100,7 @@ def test_program_killed_with_the_process_beside_it_leaves_an_arm_that_stands_sho
     emulator: UrEmulatorProcess,
 ) -> None:
     target = target_of(flange(emulator))
-    process, child = moving_program(emulator)
+    process, child = moving_program(emulator, watchdog_s=LIMIT_S)
     os.kill(process.pid, signal.SIGSTOP)  # so that it cannot stop the arm in another way
     for killed in (child, process.pid):
         os.kill(killed, signal.SIGKILL)
@@ -130,7 +130,7 @@ def test_pauses_of_both_processes_within_the_limits_stop_nothing(emulator: UrEmu
 
 
 def test_pause_beyond_the_watchdogs_time_stops_the_arm_and_is_named(emulator: UrEmulatorProcess) -> None:
-    process, child = moving_program(emulator, freshness_s=1.0)
+    process, child = moving_program(emulator, freshness_s=1.0, watchdog_s=LIMIT_S)
     for one in (process.pid, child):
         os.kill(one, signal.SIGSTOP)
     assert [end["arrived"] for end in standing(emulator)] == [False]

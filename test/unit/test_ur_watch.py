@@ -39,6 +39,14 @@ def reason_of(state: UrState, now: float = 100.1, using: MoveWatch | None = None
     return caught.value.reason
 
 
+@pytest.mark.parametrize("what", ["pose", "joints"])
+def test_package_without_numbers_is_an_error_of_the_controller(what: str) -> None:
+    said = {**vars(GOOD), "pose": [0.1, 0.2, 0.3, 0.0, 0.0, 0.0], "joints": [0.0] * 6}
+    assert UrState.of(said).pose[0, 3] == 0.1
+    with pytest.raises(RobotStoppedError, match=f"controller error: {what}: needs six finite numbers, .*nan"):
+        UrState.of({**said, what: [float("nan")] * 6})
+
+
 @pytest.mark.parametrize(
     ("bit", "reason"),
     [

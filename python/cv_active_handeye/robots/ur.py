@@ -54,7 +54,7 @@ class UrConfig(BaseModel):
     host: str = Field(min_length=1)
     model: str = "ur5e"
     freshness_s: float = Field(default=0.2, ge=0.05, le=1.0)
-    watchdog_s: float | None = Field(default=0.5, ge=0.2, le=5.0)
+    watchdog_s: float | None = Field(default=1.0, ge=0.2, le=5.0)
     upper_registers: bool = False
 
 

@@ -89,12 +89,16 @@ def ask_rtde(host: str) -> UrFacts:
     if state is None:
         raise RobotUnavailableError(f"{host}: the controller knows no {', '.join(_OUTPUTS.names)}; update PolyScope")
     offset = None if tool is None else tool["tcp_offset"]
+    try:
+        T_tcp2flange = pose_matrix(offset) if isinstance(offset, tuple) else None
+    except ValueError as error:
+        raise RobotUnavailableError(f"{host}: tool centre point: {error}; set it at the pendant") from error
     return UrFacts(
         (version[0], version[1], version[2], version[3]),
         _whole(state["robot_mode"]),
         _whole(state["safety_status_bits"]),
         _whole(state["runtime_state"]),
-        pose_matrix(offset) if isinstance(offset, tuple) else None,
+        T_tcp2flange,
     )
 
 

@@ -56,8 +56,20 @@ class UrState:
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> UrState:
-        """From `ur_child`'s answer."""
-        return cls(**{**values, "pose": pose_matrix(values["pose"]), "joints": np.array(values["joints"])})
+        """From `ur_child`'s answer; RobotStoppedError where its pose or joints are no numbers."""
+        joints = np.array(values["joints"], dtype=np.float64)
+        try:
+            pose = pose_matrix(values["pose"])
+        except ValueError as error:
+            raise _no_numbers("pose", values["pose"]) from error
+        if joints.shape != (6,) or not np.isfinite(joints).all():
+            raise _no_numbers("joints", values["joints"])
+        return cls(**{**values, "pose": pose, "joints": joints})
+
+
+def _no_numbers(what: str, given: object) -> RobotStoppedError:
+    text = f"{what}: needs six finite numbers, the controller says {given}: restart it and look at the pendant"
+    return RobotStoppedError(StopReason.CONTROLLER_ERROR, text)
 
 
 def safety_stop(bits: int) -> tuple[StopReason, str] | None:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import threading
 from dataclasses import dataclass
@@ -184,6 +185,8 @@ class UrController:
 
     def _snapshot_now(self) -> Snapshot:
         joints, pose = self.arm.joints, pose_vector(self.tcp_pose())
+        if self.arm.faults.value("nan_pose"):
+            pose = [math.nan] * 6
         return Snapshot(self.arm.now, tuple(float(x) for x in joints), tuple(pose))
 
     def _fault(self, name: str, value: float) -> None:
