@@ -5,9 +5,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar, get_args
 
 import numpy as np
 import yaml
@@ -103,17 +104,42 @@ def validate(model: type[Model], content: Mapping[str, Any], path: Path) -> Mode
     try:
         return model.model_validate(content)
     except ValidationError as error:
-        raise FileFormatError(f"{path}: " + "; ".join(_explain(item) for item in error.errors())) from error
+        problems = "; ".join(_explain(item, content, model) for item in error.errors())
+        raise FileFormatError(f"{path}: {problems}") from error
 
 
-def _explain(item: Any) -> str:
-    key = ".".join(str(part) for part in item["loc"])
+def _explain(item: Any, content: Mapping[str, Any], model: type[BaseModel]) -> str:
+    key = _key_in_file(item["loc"], content)
     if item["type"] == "extra_forbidden":
-        return f"key '{key}' is unknown"
+        near = get_close_matches(str(item["loc"][-1]), sorted(_names(model)), 1)
+        return f"key '{key}' is unknown" + (f" (did you mean '{near[0]}'?)" if near else "")
     if item["type"] == "missing":
         return f"key '{key}' is missing"
     text = str(item["msg"]).removeprefix("Value error, ")
+    if item["type"] not in ("value_error", "union_tag_invalid"):  # those say themselves what was given
+        text += f", given {item['input']!r:.80}"
     return f"key '{key}': {text}" if key else text
+
+
+def _key_in_file(location: Sequence[str | int], content: Any) -> str:
+    """The path to a key as it stands in the file, without the names of variants that pydantic puts between."""
+    shown = []
+    for number, part in enumerate(location):
+        listed = isinstance(content, list) and isinstance(part, int) and part < len(content)
+        if listed or (isinstance(content, Mapping) and part in content):
+            content = content[part]
+        elif number < len(location) - 1:
+            continue
+        shown.append(str(part))
+    return ".".join(shown)
+
+
+def _names(kind: Any) -> set[str]:
+    """Every key that a model knows, at all depths."""
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        inner = [_names(field.annotation) for field in kind.model_fields.values()]
+        return set(kind.model_fields).union(*inner)
+    return set().union(*(_names(argument) for argument in get_args(kind)))
 
 
 def finite_array(value: Any, shape: tuple[int | None, ...]) -> FloatArray:

@@ -6,7 +6,7 @@
 //
 // ur_live HOST [--live]. Practise with cv-active-handeye emulate ur. What the Python driver also does and this does not:
 // it asks the ports before ur_rtde does (ur_rtde waits for ever on one that is silent), runs ur_rtde in a process that
-// can be ended, and checks boxes and joint limits.
+// can be ended, sets the controller's watchdog, and checks boxes and joint limits.
 #include <ur_rtde/rtde_control_interface.h>
 #include <ur_rtde/rtde_receive_interface.h>
 

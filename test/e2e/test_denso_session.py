@@ -28,6 +28,7 @@ FAULTS = {
     "silent_port": "link lost: .* MAY STILL MOVE",
     "not_remote": "program stopped: the controller is in manual mode",
     "pose_noise": "not arrived|off the path",
+    "nan_pose": "controller error: .*finite numbers",
     "program_stopped": "controller error: .*all programs were stopped",
 }
 """What the user is told of a fault in the middle of a move."""

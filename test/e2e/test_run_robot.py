@@ -52,7 +52,7 @@ def station(emulator: UrEmulatorProcess, tmp_path_factory: pytest.TempPathFactor
     file = tmp_path_factory.mktemp("station") / "station.yaml"
     content = {
         "schema_version": 1,
-        "robot": {"type": "ur", "host": emulator.host, "freshness_s": 1.0},
+        "robot": {"type": "ur", "host": emulator.host, "freshness_s": 1.0, "watchdog_s": 5.0},
         "camera": {"type": "sim", "host": emulator.host, "port": int(emulator.ready.rsplit(":", 1)[1])},
         "laser": {"type": "camera_line", "settle_s": 0.0},
         "capture": {"settle": {"dwell_s": 0.05}},

@@ -54,8 +54,13 @@ def _cleared(emulator: UrEmulatorProcess) -> None:
     emulator.begin()
 
 
+def patient(emulator: UrEmulatorProcess, **options: object) -> UrConfig:
+    """The machine of the tests is a busy one."""
+    return UrConfig.model_validate({"host": emulator.host, "freshness_s": 1.0, "watchdog_s": 3.0, **options})
+
+
 def live(emulator: UrEmulatorProcess) -> UrRobot:
-    return connect(UrConfig(host=emulator.host, freshness_s=1.0), live=True)  # the machine of the tests is a busy one
+    return connect(patient(emulator), live=True)
 
 
 def raised(pose: Array, mm: float) -> Array:
@@ -132,6 +137,7 @@ STOPS = {
     "silent_port": {StopReason.STALE_POSE, StopReason.LINK_LOST},
     "frozen_timestamp": {StopReason.STALE_POSE},
     "pose_noise": {StopReason.NOT_ARRIVED, StopReason.OFF_PATH},
+    "nan_pose": {StopReason.CONTROLLER_ERROR},
     "slow_motion=0.002": {StopReason.DEADLINE},
 }
 
@@ -296,7 +302,7 @@ def test_connect_names_what_is_in_the_way(emulator: UrEmulatorProcess, fault: st
 
 def test_upper_registers_go_round_a_fieldbus(emulator: UrEmulatorProcess) -> None:
     emulator.link.fault("register_conflict")
-    with connect(UrConfig(host=emulator.host, upper_registers=True, freshness_s=1.0), live=True) as robot:
+    with connect(patient(emulator, upper_registers=True), live=True) as robot:
         robot.move_linear(raised(robot.pose().T_gripper2base, 5), FAST)
     assert tool_of(emulator) == TOOL
 

@@ -56,4 +56,14 @@ def test_emulate_on_a_taken_address_says_so(tmp_path: Path) -> None:
     with UrEmulatorProcess(tmp_path, 31) as emulator:
         result = run("emulate", "ur", "--host", emulator.host)
         assert result.exit_code == Exit.USAGE
-        assert "in use" in result.output
+        told = " ".join(result.output.replace("│", " ").split())
+        assert f"{emulator.host}: port 30004 (rtde) is in use, by another emulator perhaps" in told
+        assert "give another --host, 127.0.0.2 for example" in told
+
+
+def test_log_that_cannot_be_written_is_a_wrong_use(tmp_path: Path) -> None:
+    result = run("emulate", "ur", "--log", str(tmp_path / "none" / "x.jsonl"))
+    assert result.exit_code == Exit.USAGE
+    told = " ".join(result.output.replace("│", " ").split())
+    assert "Invalid value for --log" in told
+    assert "cannot be written: No such file or directory" in told

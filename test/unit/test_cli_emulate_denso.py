@@ -40,9 +40,16 @@ def test_options_that_cannot_work_are_refused_by_name(options: tuple[str, ...], 
 
 def test_port_that_is_taken_is_told() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
-        result = run("emulate", "denso", "--port", str(taken.getsockname()[1]), "--control-port", "0")
-    assert result.exit_code == 2
-    assert "Address already in use" in " ".join(result.output.replace("│", " ").split())
+        port = str(taken.getsockname()[1])
+        for options, service in ((("--port", port, "--control-port", "0"), "b-CAP"), (("--port", "0"), "control")):
+            if service == "control":
+                options = (*options, "--control-port", port)
+            result = run("emulate", "denso", *options)
+            assert result.exit_code == 2
+            told = " ".join(result.output.replace("│", " ").split())
+            option = options[options.index(port) - 1]
+            assert f"Invalid value for {option}: 127.0.0.1: port {port} ({service}) is in use" in told
+            assert f"end what listens there, or {option} 0 chooses a free one" in told
 
 
 @pytest.mark.parametrize("controller", ["rc9", "rc7"])

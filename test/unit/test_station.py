@@ -46,7 +46,9 @@ def test_another_kind_of_robot_keeps_nothing_of_the_one_in_the_file(tmp_path: Pa
 @pytest.mark.parametrize(
     ("old", "new", "text"),
     [
-        ("freshness_s", "freshnes_s", "freshnes_s' is unknown"),
+        ("freshness_s", "freshnes_s", r"key 'robot\.freshnes_s' is unknown \(did you mean 'freshness_s'\?\)"),
+        ("freshness_s: 0.3", "freshness_s: 9", r"key 'robot\.freshness_s': .*less than or equal to 1, given 9$"),
+        ("freshness_s", "colour", r"key 'robot\.colour' is unknown$"),
         ("speed: {metres_per_second: 0.1}", "speed: {metres_per_second: 0.5}", "speed.metres_per_second"),
         ("type: ur", "type: abb", "robot"),
         ("schema_version: 1", "schema_version: 9", "reads version 1 of the station file, the file says 9"),

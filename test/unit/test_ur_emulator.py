@@ -215,3 +215,54 @@ def test_probe_of_another_service_says_that_it_is_no_rtde(
     monkeypatch.setattr(ur_probe, "RTDE_PORT", 29999)
     with pytest.raises(RobotUnavailableError, match="not RTDE"):
         ur_probe.ask_rtde(emulator.host)
+
+
+def commanding(emulator: UrEmulator, offset: int) -> Client:
+    """A client whose first recipe holds an integer and a double register, the program running and its watchdog set."""
+    emulator.controller.start_program(f"def rtde_control():\nreg_offset_int = # int register offset\n{offset}\nend\n")
+    client = connected(emulator)
+    client.ask(INPUTS, f"input_int_register_{offset},input_double_register_{offset}".encode())
+    client.socket.sendall(Packet(DATA, b"\x01" + struct.pack(">id", 35, 5.0)).encoded())
+    while emulator.controller.registers.output(f"output_int_register_{offset}") != 2:
+        time.sleep(0.005)
+    return client
+
+
+def stop_reasons(emulator: UrEmulator) -> list[str]:
+    return [event["reason"] for event in emulator.controller.arm.log.of_kind("stop_condition")]
+
+
+@pytest.mark.parametrize("offset", [0, 24])
+def test_watchdog_ends_the_program_when_packages_stop_and_not_before(emulator: UrEmulator, offset: int) -> None:
+    client = commanding(emulator, offset)
+    for _ in range(30):
+        last = time.monotonic()
+        client.socket.sendall(Packet(DATA, b"\x01" + struct.pack(">id", 0, 0.0)).encoded())
+        time.sleep(0.02)
+    assert emulator.controller.playing
+    assert stop_reasons(emulator) == []
+    while emulator.controller.playing:
+        assert time.monotonic() - last < 10
+        time.sleep(0.005)
+    assert time.monotonic() - last >= 0.2
+    (event,) = emulator.controller.arm.log.of_kind("stop_condition")
+    assert event["reason"] == "watchdog"
+    assert event["text"] == f"no package with input_int_register_{offset} came for 0.2 s"
+
+
+def test_watchdog_is_not_kicked_by_packages_without_its_variable(emulator: UrEmulator) -> None:
+    client = commanding(emulator, 24)
+    client.ask(INPUTS, b"input_int_register_0")
+    deadline = time.monotonic() + 10
+    while emulator.controller.playing:
+        assert time.monotonic() < deadline
+        client.socket.sendall(Packet(DATA, b"\x02" + struct.pack(">i", 0)).encoded())
+        time.sleep(0.01)
+    assert stop_reasons(emulator) == ["watchdog"]
+
+
+def test_watchdog_ends_with_its_program(emulator: UrEmulator) -> None:
+    commanding(emulator, 0)
+    emulator.controller.stop_program()
+    time.sleep(0.4)
+    assert stop_reasons(emulator) == []

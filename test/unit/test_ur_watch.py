@@ -39,6 +39,14 @@ def reason_of(state: UrState, now: float = 100.1, using: MoveWatch | None = None
     return caught.value.reason
 
 
+@pytest.mark.parametrize("what", ["pose", "joints"])
+def test_package_without_numbers_is_an_error_of_the_controller(what: str) -> None:
+    said = {**vars(GOOD), "pose": [0.1, 0.2, 0.3, 0.0, 0.0, 0.0], "joints": [0.0] * 6}
+    assert UrState.of(said).pose[0, 3] == 0.1
+    with pytest.raises(RobotStoppedError, match=f"controller error: {what}: needs six finite numbers, .*nan"):
+        UrState.of({**said, what: [float("nan")] * 6})
+
+
 @pytest.mark.parametrize(
     ("bit", "reason"),
     [
@@ -76,12 +84,24 @@ def test_lost_link_wrong_mode_and_ended_program_stop_a_move() -> None:
 
 def test_clock_may_stand_for_0_2_s_and_no_longer() -> None:
     fresh = Freshness(0.2)
-    fresh.check(GOOD, 10.0)
-    fresh.check(GOOD, 10.2)
+    for i in range(21):
+        fresh.check(GOOD, 10 + 0.01 * i)
     with pytest.raises(RobotStoppedError, match=r"stale pose: the controller's clock has stood still for 0\.21 s"):
         fresh.check(GOOD, 10.21)
     fresh.check(replace(GOOD, time=1.008), 10.3)
-    fresh.check(replace(GOOD, time=1.008), 10.49)
+    for i in range(20):
+        fresh.check(replace(GOOD, time=1.008), 10.3 + 0.01 * i)
+
+
+def test_pause_of_this_process_is_no_proof_that_the_clock_stands() -> None:
+    fresh = Freshness(0.2)
+    fresh.check(GOOD, 10.0)
+    fresh.check(GOOD, 15.0)
+    fresh.check(replace(GOOD, time=6.0), 15.01)
+    for i in range(20):
+        fresh.check(replace(GOOD, time=6.0), 15.02 + 0.01 * i)
+    with pytest.raises(RobotStoppedError, match="stood still"):
+        fresh.check(replace(GOOD, time=6.0), 15.22)
 
 
 @pytest.mark.parametrize("where", [pose(25, 2.1), pose(-2.1), pose(52.2), pose(25, 0, 3)])
@@ -100,9 +120,16 @@ def test_arm_on_its_line_goes_on_until_it_stands_at_the_end() -> None:
 def test_motion_that_ends_elsewhere_has_not_arrived_after_a_second() -> None:
     w = watch()
     beside = replace(GOOD, pose=pose(49.9), moving=False)
-    assert not w.arrived(beside, 100.0)
-    assert not w.arrived(replace(beside, time=2.0), 101.0)
-    assert reason_of(replace(beside, time=3.0), 101.05, w) is StopReason.NOT_ARRIVED
+    for i in range(101):
+        assert not w.arrived(replace(beside, time=1 + i / 100), 100 + i / 100)
+    assert reason_of(replace(beside, time=3.0), 101.02, w) is StopReason.NOT_ARRIVED
+
+
+def test_pause_between_the_end_of_the_motion_and_the_last_pose_is_waited_for() -> None:
+    w = watch()
+    assert not w.arrived(replace(GOOD, pose=pose(49.9), moving=False), 100.0)
+    assert not w.arrived(replace(GOOD, pose=pose(49.9), moving=False), 103.0)
+    assert w.arrived(replace(GOOD, time=4.0, pose=pose(50), moving=False), 103.01)
 
 
 def test_move_that_takes_too_long_is_stopped_and_names_the_speed_slider() -> None:

@@ -15,7 +15,7 @@ from cv_active_handeye.robots.base import MoveRefusedError, Speed
 from cv_active_handeye.robots.guard import GuardedRobot
 from cv_active_handeye.robots.workspace import Box, half_way, step_size
 from cv_active_handeye.workflow.check_stops import CHECK_STOPS, check_plan_of
-from cv_active_handeye.workflow.dry_run import check_plan, motor_time
+from cv_active_handeye.workflow.dry_run import check_plan, motor_time, note_of
 from cv_active_handeye.workflow.reporter import InsufficientDataError
 
 
@@ -47,6 +47,15 @@ def test_moves_are_listed_with_length_angle_and_time_and_nothing_moves() -> None
         assert (move.length, move.angle) == step_size(a, b)
         assert move.seconds == motor_time(move.length, move.angle, Speed())
     assert "move_linear" not in robot.calls
+
+
+def test_plan_whose_stops_are_all_one_pose_is_noted_and_any_other_is_not() -> None:
+    plan = some_plan()
+    assert note_of(plan) is None
+    one = plan.model_copy(update={"stops": plan.stops[:1] * 5})
+    note = note_of(one)
+    assert note is not None
+    assert "its stops (5) are all one pose; plan again" in note
 
 
 def test_motor_time_is_that_of_a_trapezoid() -> None:

@@ -20,7 +20,7 @@ from .helping import command_of
 from .settings import cell_config
 
 if TYPE_CHECKING:
-    from ..simulation.emulators import EmulatedArm
+    from ..simulation.emulators import EmulatedArm, ListenError
     from ..simulation.emulators.log import Event
 
 emulators = typer.Typer(no_args_is_help=True, rich_markup_mode="rich")
@@ -116,6 +116,7 @@ def denso(
     the pendant. Nothing here was compared with a real controller.
     """
     with told_errors(Settings.debug):
+        from ..simulation.emulators import ListenError
         from ..simulation.emulators.denso import DENSO_FAULTS, PROFILES, DensoEmulator
 
         if list_faults:
@@ -129,9 +130,9 @@ def denso(
         arm = emulated_arm(robot, seed, speedup, log, fault or [], DENSO_FAULTS)
         try:
             emulator = DensoEmulator(arm, host=host, port=port, controller=profile.name)
-        except OSError as error:
+        except ListenError as error:
             arm.close()
-            raise typer.BadParameter(f"{port}: {error}", param_hint="--port") from error
+            raise cannot_listen(error) from error
         serve(arm, lambda: emulator, host, control_port, f"DENSO controller {controller}, port {emulator.port},")
 
 
@@ -141,7 +142,10 @@ def emulated_arm(
     """The arm of the options, whose events are printed as they happen; `known`: the device's faults, None = all."""
     from ..simulation.emulators import FAULTS, EmulatedArm, EventLog, FaultPlan, Faults
 
-    events = EventLog(log, _print_event)
+    try:
+        events = EventLog(log, _print_event)
+    except OSError as error:
+        raise typer.BadParameter(f"{log}: cannot be written: {error.strerror}", param_hint="--log") from error
     device = Faults(events, frozenset(FAULTS) if known is None else known)
     arm = EmulatedArm(cell_config(robot=robot, seed=seed), speedup=speedup, log=events, faults=device)
     try:
@@ -171,6 +175,16 @@ def print_faults(known: frozenset[str] | None = None) -> None:
     print_lines(*(f"{name}={FAULTS[name][0]:g}  {FAULTS[name][1]}" for name in shown))
 
 
+def cannot_listen(error: ListenError) -> typer.BadParameter:
+    """What to say of a port that cannot be listened on, with the option that helps."""
+    option, cure = {
+        "control": ("--control-port", "--control-port 0 chooses a free one"),
+        "b-CAP": ("--port", "--port 0 chooses a free one"),
+    }.get(error.service, ("--host", "its number is fixed; give another --host, 127.0.0.2 for example"))
+    end = "end what listens there, or " if error.taken else ""
+    return typer.BadParameter(f"{error}: {end}{cure}", param_hint=option)
+
+
 def serve(
     arm: EmulatedArm,
     open_ports: Callable[[], AbstractContextManager[object]],
@@ -179,7 +193,7 @@ def serve(
     name: str,
 ) -> None:
     """Opens a controller's ports (`open_ports()`, a context manager) and the control port, until somebody ends it."""
-    from ..simulation.emulators import ControlPort
+    from ..simulation.emulators import ControlPort, ListenError
 
     ended: list[bool] = []  # no lock: a second signal may come while the first is being handled
     previous = {n: signal.signal(n, lambda *_: ended.append(True)) for n in (signal.SIGINT, signal.SIGTERM)}
@@ -190,8 +204,8 @@ def serve(
             while not ended:
                 time.sleep(_END_S)
             control.close()
-    except OSError as error:
-        raise typer.BadParameter(f"{host}: {error}", param_hint="--host") from error
+    except ListenError as error:
+        raise cannot_listen(error) from error
     finally:
         arm.close()
         arm.log.close()

@@ -18,7 +18,7 @@ from ..robots.guard import GuardedRobot
 from ..robots.registry import open_robot
 from ..station import StationConfig
 from ..workflow.capture import PLAN_NAME, safe_text
-from ..workflow.dry_run import PlannedMove, check_plan
+from ..workflow.dry_run import PlannedMove, check_plan, note_of
 from ..workflow.event_log import FILE_NAME as LOG_NAME
 from ..workflow.event_log import EventLog
 from ..workflow.run import record
@@ -100,6 +100,9 @@ def look_at(config: StationConfig, plan: Plan, first: int) -> list[PlannedMove]:
             guard = GuardedRobot(robot, plan.workspace, config.speed, lambda kind, **said: None)
             moves = check_plan(guard, plan, first)
         progress(1, 1)
+        note = note_of(plan)
+        if note is not None:
+            reporter.note(note)
     out.print(moves_table(plan, moves))
     print_lines(motion_text(moves, config.speed))
     return moves

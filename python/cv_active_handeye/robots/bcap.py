@@ -14,6 +14,7 @@ from typing import NoReturn
 from .base import RobotError
 from .bcap_codes import Function, Result, is_failure, result_meaning, result_name
 from .bcap_packets import Packet, PacketError, PacketStream, Value, encode_packet
+from .waiting import WatchedTime, watched_waits
 
 PORT = 5007
 KEEP_ALIVE_S = 0.2
@@ -81,7 +82,7 @@ class BcapClient:
         Waits for another call's end at most `wait_s`: BcapLinkError.
         """
         what = f"{self.address}: {_title(function, arguments)}"
-        if not self._lock.acquire(timeout=wait_s):
+        if not any(self._lock.acquire(timeout=wait) for wait in watched_waits(wait_s)):
             raise BcapLinkError(f"{what}: another call has kept the connection busy for {wait_s:g} s")
         self._serial = self._serial % 65535 + 1
         try:
@@ -144,19 +145,21 @@ class PendingCall:
 
     def __init__(self, client: BcapClient, serial: int, what: str) -> None:
         self._client, self._serial, self._what = client, serial, what
-        self._heard = time.monotonic()
+        self._silence = WatchedTime(time.monotonic())
         self._answer: Packet | None = None
         self._held = True
 
     def poll(self, wait_s: float) -> bool:
-        """Whether the answer is there, waiting `wait_s` at most; BcapLinkError where the link fails or is silent."""
-        end = time.monotonic() + wait_s
-        while not self._read(min(end, self._silent_at()) - time.monotonic()):
-            if time.monotonic() >= self._silent_at():
+        """Whether the answer is there, waiting `wait_s` at most; BcapLinkError where the link fails or is silent.
+
+        A pause of this process counts as no time, here and in all that waits for the controller.
+        """
+        for wait in watched_waits(wait_s):
+            if self._read(wait):
+                return True
+            if self._silence.look(time.monotonic()) > self._client._silence_s:
                 self.give_up(f"silent for {self._client._silence_s:g} s")
-            if time.monotonic() >= end:
-                return False
-        return True
+        return False
 
     def result(self, deadline_s: float) -> Value:
         """The answer, after `deadline_s` at most; BcapError where the controller refused, else BcapLinkError."""
@@ -185,16 +188,13 @@ class PendingCall:
         for packet in packets:
             if packet.serial != self._serial:
                 continue
-            self._heard = time.monotonic()
+            self._silence.restart(time.monotonic())
             if packet.code == Result.S_EXECUTING:
                 self._client.executing += 1
             else:
                 self._answer = packet
                 self._release()
         return self._answer is not None
-
-    def _silent_at(self) -> float:
-        return self._heard + self._client._silence_s
 
     def _release(self) -> None:
         if self._held:

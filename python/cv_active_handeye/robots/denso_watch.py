@@ -34,20 +34,24 @@ class DensoWatch:
         """A reading not older than the freshness limit; RobotStoppedError (STALE_POSE, LINK_LOST) otherwise.
 
         With a controller clock (HighCurPosEx, ms) the time stamp has to be another one than that of the last reading.
-        Without (RC7) the time of the answer takes its place.
+        Without (RC7) the time of the answer takes its place. A reading that came too late is asked for once more: it
+        may be this process that was paused.
         """
-        began = time.monotonic()
+        began, late = time.monotonic(), False
         with told_stops("the pose"):
             while True:
                 stamp, values = self._stamped()
                 joints = numbers(self._ask("CurJnt"), 6, "CurJnt")
                 received = time.monotonic()
-                late = received - began > self._freshness_s
-                if stamp != self._stamp and not late:
+                if stamp != self._stamp and received - began <= self._freshness_s:
                     break
                 if late:
                     raise RobotStoppedError(StopReason.STALE_POSE, self._stale(stamp))
-                time.sleep(_POLL_S)
+                late = received - began > self._freshness_s
+                if late:
+                    began = received
+                else:
+                    time.sleep(_POLL_S)
         self._stamp = stamp
         return RobotPose(matrix_from_p(values), np.radians(joints[:6]), stamp, received)
 

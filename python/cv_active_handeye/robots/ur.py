@@ -25,11 +25,11 @@ from .straight_move import StraightMove
 from .ur_pose import pose_vector
 from .ur_probe import UrFacts
 from .ur_process import UrCallError, UrProcess, UrProcessLostError, told
+from .ur_tool import UrTool, warn_of_left_tool
 from .ur_watch import Freshness, MoveWatch, UrState, check_state
 from .workspace import mm_text
 
-_OPEN_S, _CALL_S, _SHORT_S = 6.0, 4.0, 1.0
-_LEAVE_S, _FINISH_S = 8.0, 3.0
+_OPEN_S, _CALL_S, _SHORT_S, _LEAVE_S = 6.0, 4.0, 1.0, 8.0
 _WATCH_S = 0.01
 _STANDSTILL_S, _STANDING_RAD = 1.5, 1e-5
 _STOPPED_BY_CONTROLLER = {
@@ -44,6 +44,7 @@ class UrConfig(BaseModel):
     """A UR controller. model: key of `kinematics.ARMS`, other names (ur20, ...) have no known geometry.
 
     freshness_s: how long the controller's clock may stand still.
+    watchdog_s: how long the controller may hear nothing of us before it stops the arm by itself; None = no watchdog.
     upper_registers: use RTDE registers 24 to 47, where a fieldbus owns those below (PolyScope 3.9 or 5.3, and later).
     """
 
@@ -53,6 +54,7 @@ class UrConfig(BaseModel):
     host: str = Field(min_length=1)
     model: str = "ur5e"
     freshness_s: float = Field(default=0.2, ge=0.05, le=1.0)
+    watchdog_s: float | None = Field(default=1.0, ge=0.2, le=5.0)
     upper_registers: bool = False
 
 
@@ -63,8 +65,8 @@ class UrRobot:
     `StraightMove` and 10 s to stop, stop 10 s, close 30 s; as much again where another thread's call is in the way.
     """
 
-    def __init__(self, config: UrConfig, facts: UrFacts, process: UrProcess, tool: list[float] | None) -> None:
-        """Use `connect`. tool: what the tool centre point was and shall be again, None where it was not changed."""
+    def __init__(self, config: UrConfig, facts: UrFacts, process: UrProcess, tool: UrTool | None) -> None:
+        """Use `connect`. tool: the tool centre point that shall be active again, None where it was not changed."""
         self.name = f"UR {config.model} at {config.host}"
         self.model = config.model if config.model in ARMS else None
         self.live = tool is not None
@@ -80,7 +82,7 @@ class UrRobot:
         """Connects within 30 s; RobotUnavailableError says what is in the way.
 
         Without `live` only the stream of poses is opened. With it, ur_rtde's program is started on the controller, and
-        the flange becomes the tool centre point until `close`.
+        the flange becomes the tool centre point until `close`; what it was is on disk before (`ur_tool`).
         """
         facts = ur_probe.usable(config.host, live)
         process = UrProcess(config.host)
@@ -89,7 +91,9 @@ class UrRobot:
             tool = None
             if live:
                 process.ask("open_control", config.upper_registers, deadline=_OPEN_S)
-                tool = [float(x) for x in process.ask("take_tool", deadline=_CALL_S)]
+                tool = UrTool.take(process, config.host, config.upper_registers, facts)
+            else:
+                warn_of_left_tool(config.host, facts)
         except (UrCallError, UrProcessLostError) as error:
             process.finish(_LEAVE_S)
             raise RobotUnavailableError(told(config.host, config.upper_registers, error)) from error
@@ -160,14 +164,14 @@ class UrRobot:
             return
         self._closed = True
         self._stop_wanted.set()
-        if not self.live or self._give_tool(self._process) is None:
+        if self._tool is None or self._tool.give(self._process) is None:
             self._process.finish(_LEAVE_S)
             return
         self._process.kill()
         self._process.finish(_SHORT_S)
-        hindered = self._give_tool_anew()
+        hindered = self._tool.give_anew()
         if hindered is not None:
-            _log.error("%s: %s (%s)", self.name, self._tool_text(), hindered)
+            _log.error("%s: %s (%s)", self.name, self._tool, hindered)
 
     def __enter__(self) -> UrRobot:
         return self
@@ -184,7 +188,7 @@ class UrRobot:
         v, a = speed.metres_per_second, speed.metres_per_second2
         if self._stop_wanted.is_set():
             raise RobotStoppedError(Reason.OPERATOR, "a stop was asked for")
-        if not self._ask("move", pose_vector(target), v, a, deadline=_CALL_S):
+        if not self._ask("move", pose_vector(target), v, a, self._config.watchdog_s, deadline=_CALL_S):
             check_state(self._fresh_state(), live=True)
             raise RobotStoppedError(Reason.CONTROLLER_ERROR, "the controller did not begin the move; see the pendant")
         while not watch.arrived(self._state(), time.monotonic()):
@@ -201,7 +205,7 @@ class UrRobot:
             self._process.kill()
             told = ur_probe.stop_without_rtde(self._config.host, self._facts)
             how = "was told to stop by another way" if told else "COULD NOT BE TOLD TO STOP: press the emergency stop"
-            self._stopped = RobotStoppedError(error.reason, f"{_text(error)}; the arm {how}. {self._tool_text()}")
+            self._stopped = RobotStoppedError(error.reason, f"{_text(error)}; the arm {how}. {self._tool}")
         return self._stopped
 
     def _brought_to_rest(self, reason: Reason) -> bool:
@@ -268,36 +272,6 @@ class UrRobot:
         if self.live or self._facts.T_tcp2flange is None:
             return T_tcp2base
         return np.asarray(T_tcp2base @ np.linalg.inv(self._facts.T_tcp2flange))
-
-    def _give_tool(self, process: UrProcess) -> str | None:
-        """Restores the tool; returns None, or what hindered it."""
-        try:
-            done = process.ask("give_tool", self._tool, deadline=_CALL_S)
-            return None if done else "the program on the controller has ended"
-        except (UrCallError, UrProcessLostError) as error:
-            return str(error)
-
-    def _give_tool_anew(self) -> str | None:
-        """Restores the tool over connections of their own, where the first ones are lost and the controller allows."""
-        try:
-            ur_probe.usable(self._config.host, live=True, ours=True)
-        except RobotUnavailableError as error:
-            return str(error)
-        process = UrProcess(self._config.host)
-        try:
-            process.ask("open_receive", deadline=_CALL_S)
-            process.ask("open_control", self._config.upper_registers, deadline=_OPEN_S)
-            return self._give_tool(process)
-        except (UrCallError, UrProcessLostError) as error:
-            return str(error)
-        finally:
-            process.finish(_FINISH_S)
-
-    def _tool_text(self) -> str:
-        return (
-            "The active tool centre point may still be the flange; it was "
-            f"p{[round(x, 6) for x in self._tool or []]} (m, rad): set it at the pendant before other work"
-        )
 
 
 def connect(config: UrConfig, *, live: bool) -> UrRobot:

@@ -6,12 +6,18 @@ ur_rtde's calls can wait for minutes on a dead link, its constructors for ever a
 they may: the process is given up when one does not return. Requests come as JSON lines on standard input, answers go
 to standard output. When the input ends, because the program that asked was closed or killed, the arm is stopped, the
 tool centre point is restored, and the program on the controller is ended.
+
+From the first move on this process also kicks the controller's watchdog (URScript's `rtde_set_watchdog`): when no
+package of ours comes for its time, for the link is cut or this process is gone, the controller ends the program by
+itself, which stops the arm. The kicks come from the loop that waits for requests, in this process that computes
+nothing: images and calibrations of the program that asks, and its interpreter lock, cannot hold them up.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import queue
 import signal
 import sys
 import threading
@@ -25,7 +31,9 @@ _VARIABLES = [
     *("robot_mode", "runtime_state", "safety_status_bits"),
 ]
 _FREQUENCY = 125.0
-_LEAVE_S, _BEGIN_S = 8.0, 1.0
+_LEAVE_S, _BEGIN_S, _KICK_S = 8.0, 1.0, 4.0
+_KICKS = 10  # within the watchdog's time
+_PAUSE_S = 3.0  # beyond a request's deadline, which the caller keeps: a process that was paused shall not end for it
 _PLAYING = 2
 _STOP = 2.0  # m/s^2
 _READS = 20
@@ -39,7 +47,10 @@ class Interfaces:
         self._receive: Any = None
         self._control: Any = None
         self._io: Any = None
-        self._tool: list[float] | None = None
+        self._taken: tuple[list[float], str] | None = None
+        self._kick_due = 0.0
+        self.kick_every: float | None = None
+        """Seconds between kicks of the watchdog; None while none is needed."""
 
     def open_receive(self) -> None:
         """Opens the stream of states."""
@@ -82,30 +93,52 @@ class Interfaces:
         out["moving"] = self._control is not None and self._moving()
         return out
 
-    def take_tool(self) -> list[float]:
-        """Saves the active tool centre point and makes the flange that; returns what it was."""
-        found = list(self._control.getTCPOffset())
-        if len(found) != 6 or not self._control.setTcp([0.0] * 6):
-            raise RuntimeError("the controller did not set the tool centre point")
-        self._tool = found
-        if any(self._control.getTCPOffset()):
-            raise RuntimeError("the controller did not set the tool centre point to zero")
-        return found
+    def tool(self) -> list[float]:
+        """The active tool centre point, a pose vector."""
+        return list(self._control.getTCPOffset())
 
-    def give_tool(self, tool: list[float]) -> bool:
-        """Makes `tool` the active tool centre point again; whether the controller says so."""
+    def take_tool(self, tool: list[float], record: str) -> None:
+        """Makes the flange the tool centre point; `tool` comes back in `leave`, and then the file `record` goes."""
+        self._taken = (tool, record)
+        if not self._control.setTcp([0.0] * 6) or any(self.tool()):
+            raise RuntimeError("the controller did not set the tool centre point to zero")
+
+    def give_tool(self, tool: list[float], record: str) -> bool:
+        """Makes `tool` the active tool centre point again and deletes its record; whether the controller says so."""
         if not self._control.isConnected() or not self._control.isProgramRunning():
             return False
         done = bool(self._control.setTcp(tool)) and all(
-            abs(a - b) < 1e-9 for a, b in zip(self._control.getTCPOffset(), tool, strict=True)
+            abs(a - b) < 1e-9 for a, b in zip(self.tool(), tool, strict=True)
         )
         if done:
-            self._tool = None
+            self._taken = None
+            with suppress(FileNotFoundError):
+                os.unlink(record)
         return done
 
-    def move(self, pose: list[float], speed: float, acceleration: float) -> bool:
-        """Begins a straight move to a pose vector; m/s, m/s^2. Whether the controller took it."""
+    def move(self, pose: list[float], speed: float, acceleration: float, watchdog_s: float | None) -> bool:
+        """Begins a straight move to a pose vector; m/s, m/s^2. Whether the controller took it.
+
+        watchdog_s: how long the controller may hear nothing of this process before it stops the arm; None = for ever.
+        It is set anew for every move, for ur_rtde may have sent its program anew meanwhile, and that has none.
+        """
+        if watchdog_s is not None:
+            if not self._control.setWatchdog(1.0 / watchdog_s):
+                return False
+            self.kick_every = watchdog_s / _KICKS
+            self._kick_due = 0.0
         return bool(self._control.moveL(pose, speed, acceleration, True))
+
+    def kick(self) -> None:
+        """Kicks the watchdog where that is due. Never where ur_rtde would connect anew for it, and begin a program."""
+        now = time.monotonic()
+        if self.kick_every is None or now < self._kick_due:
+            return
+        if self._control.isConnected() and self._control.isProgramRunning():
+            self._control.kickWatchdog()
+            self._kick_due = now + self.kick_every
+        else:
+            self.kick_every = None
 
     def stop(self) -> None:
         """Begins to stop the arm."""
@@ -133,8 +166,8 @@ class Interfaces:
             if self._control.isProgramRunning():
                 if self._moving():
                     self.stop()
-                if self._tool is not None:
-                    self.give_tool(self._tool)
+                if self._taken is not None:
+                    self.give_tool(*self._taken)
                 self._control.stopScript()
             self._control.disconnect()
         for interface in (self._io, self._receive):
@@ -146,8 +179,8 @@ class Interfaces:
 
 
 REQUESTS = (
-    *("open_receive", "open_control", "state", "take_tool", "give_tool", "move", "stop", "steady", "reachable"),
-    *("output", "leave"),
+    *("open_receive", "open_control", "state", "tool", "take_tool", "give_tool", "move", "stop", "steady"),
+    *("reachable", "output", "leave"),
 )
 """What may be asked for."""
 
@@ -155,16 +188,42 @@ REQUESTS = (
 def main(host: str, requests: TextIO, answers: TextIO) -> None:
     """Obeys requests {"id", "call", "arguments", "deadline"} until the input ends."""
     interfaces = Interfaces(host)
-    for line in requests:
-        request = json.loads(line)
-        _set_deadline(request["deadline"])
-        answer = {"id": request["id"], **_answered(interfaces, request)}
-        _set_deadline(0.0)
-        with suppress(BrokenPipeError):
-            print(json.dumps(answer), file=answers, flush=True)
+    lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+    threading.Thread(target=_read, args=(requests, lines), name="requests", daemon=True).start()
+    while True:
+        with suppress(queue.Empty):
+            line = lines.get(timeout=interfaces.kick_every)
+            if line is None:
+                break
+            _answer(interfaces, json.loads(line), answers)
+        _kick(interfaces)
     _set_deadline(_LEAVE_S)
     with suppress(Exception):
         interfaces.leave()
+
+
+def _read(requests: TextIO, lines: queue.SimpleQueue[str | None]) -> None:
+    """Hands on every request, and None when there will be no more."""
+    with suppress(ValueError):  # the input was closed while it was read
+        for line in requests:
+            lines.put(line)
+    lines.put(None)
+
+
+def _answer(interfaces: Interfaces, request: dict[str, Any], answers: TextIO) -> None:
+    _set_deadline(request["deadline"] + _PAUSE_S)
+    answer = {"id": request["id"], **_answered(interfaces, request)}
+    _set_deadline(0.0)
+    with suppress(BrokenPipeError):
+        print(json.dumps(answer), file=answers, flush=True)
+
+
+def _kick(interfaces: Interfaces) -> None:
+    if interfaces.kick_every is not None:
+        _set_deadline(_KICK_S + _PAUSE_S)
+        with suppress(Exception):  # a lost link is told by the next state; the controller's watchdog does the rest
+            interfaces.kick()
+        _set_deadline(0.0)
 
 
 def _answered(interfaces: Interfaces, request: dict[str, Any]) -> dict[str, Any]:

@@ -89,12 +89,16 @@ def ask_rtde(host: str) -> UrFacts:
     if state is None:
         raise RobotUnavailableError(f"{host}: the controller knows no {', '.join(_OUTPUTS.names)}; update PolyScope")
     offset = None if tool is None else tool["tcp_offset"]
+    try:
+        T_tcp2flange = pose_matrix(offset) if isinstance(offset, tuple) else None
+    except ValueError as error:
+        raise RobotUnavailableError(f"{host}: tool centre point: {error}; set it at the pendant") from error
     return UrFacts(
         (version[0], version[1], version[2], version[3]),
         _whole(state["robot_mode"]),
         _whole(state["safety_status_bits"]),
         _whole(state["runtime_state"]),
-        pose_matrix(offset) if isinstance(offset, tuple) else None,
+        T_tcp2flange,
     )
 
 
@@ -132,6 +136,17 @@ def check_remote(host: str, facts: UrFacts) -> None:
             f"{host}: the robot is in local control: switch the pendant to Remote (top right corner); if there is no "
             "such choice, enable it in Settings > System > Remote Control"
         )
+
+
+def serial_number(host: str, facts: UrFacts) -> str | None:
+    """The controller's serial number, None where it tells none: PolyScope X, and some older versions.
+
+    RobotUnavailableError, within 4 s, where the dashboard does not answer.
+    """
+    if not facts.has_dashboard:
+        return None
+    answer = ask_dashboard(host, "get serial number")[0]
+    return answer if re.fullmatch(r"\d+", answer) else None
 
 
 def stop_without_rtde(host: str, facts: UrFacts) -> bool:

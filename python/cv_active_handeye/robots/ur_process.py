@@ -9,9 +9,10 @@ import queue
 import subprocess
 import sys
 import threading
-import time
 from contextlib import suppress
 from typing import Any
+
+from .waiting import watched_waits
 
 GRACE_S = 0.5  # for the process itself, beyond the deadline of the call inside it
 
@@ -57,15 +58,15 @@ class UrProcess:
     def ask(self, call: str, *arguments: object, deadline: float) -> Any:
         """The answer to a request; UrCallError or, `deadline` + 0.5 s after it was sent, UrProcessLostError.
 
-        Waits for other threads' requests up to `deadline` before that.
+        Waits for other threads' requests up to `deadline` before that. A pause of this process counts as no time.
         """
-        if not self._lock.acquire(timeout=deadline):
+        if not any(self._lock.acquire(timeout=wait) for wait in watched_waits(deadline)):
             self.kill()
             raise UrProcessLostError(f"{call}: another call does not return")
         try:
             self._count += 1
             self._send({"id": self._count, "call": call, "arguments": arguments, "deadline": deadline})
-            answer = self._answer(self._count, time.monotonic() + deadline + GRACE_S)
+            answer = self._answer(self._count, deadline + GRACE_S)
         finally:
             self._lock.release()
         if answer is None:
@@ -103,15 +104,14 @@ class UrProcess:
         except OSError as error:
             raise UrProcessLostError(f"{request['call']}: the process for ur_rtde has ended") from error
 
-    def _answer(self, number: int, deadline: float) -> dict[str, Any] | None:
-        """The answer with this number; older ones belong to calls that were interrupted."""
-        while True:
-            try:
-                answer = self._answers.get(timeout=max(deadline - time.monotonic(), 0.001))
-            except queue.Empty:
-                return None
-            if answer is None or answer["id"] == number:
-                return answer
+    def _answer(self, number: int, seconds: float) -> dict[str, Any] | None:
+        """The answer with this number, None when none came; older ones belong to calls that were interrupted."""
+        for wait in watched_waits(seconds):
+            with suppress(queue.Empty):
+                answer = self._answers.get(timeout=wait)
+                if answer is None or answer["id"] == number:
+                    return answer
+        return None
 
     def _read(self) -> None:
         if self._process.stdout is not None:

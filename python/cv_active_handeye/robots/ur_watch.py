@@ -13,6 +13,7 @@ import numpy as np
 from .base import Array, RobotStoppedError, Speed, StopReason
 from .straight_move import StraightMove
 from .ur_pose import pose_matrix
+from .waiting import WatchedTime
 
 RUNNING_MODE, PLAYING = 7, 2
 ROBOT_MODES = {
@@ -55,8 +56,20 @@ class UrState:
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> UrState:
-        """From `ur_child`'s answer."""
-        return cls(**{**values, "pose": pose_matrix(values["pose"]), "joints": np.array(values["joints"])})
+        """From `ur_child`'s answer; RobotStoppedError where its pose or joints are no numbers."""
+        joints = np.array(values["joints"], dtype=np.float64)
+        try:
+            pose = pose_matrix(values["pose"])
+        except ValueError as error:
+            raise _no_numbers("pose", values["pose"]) from error
+        if joints.shape != (6,) or not np.isfinite(joints).all():
+            raise _no_numbers("joints", values["joints"])
+        return cls(**{**values, "pose": pose, "joints": joints})
+
+
+def _no_numbers(what: str, given: object) -> RobotStoppedError:
+    text = f"{what}: needs six finite numbers, the controller says {given}: restart it and look at the pendant"
+    return RobotStoppedError(StopReason.CONTROLLER_ERROR, text)
 
 
 def safety_stop(bits: int) -> tuple[StopReason, str] | None:
@@ -78,25 +91,29 @@ def check_state(state: UrState, live: bool) -> None:
         mode = ROBOT_MODES.get(state.robot_mode, str(state.robot_mode))
         raise RobotStoppedError(StopReason.CONTROLLER_ERROR, f"the robot's mode is '{mode}'")
     if live and state.runtime_state != PLAYING:
-        text = "the program on the controller ended: somebody stopped it, or a motion was not possible; see the pendant"
+        text = (
+            "the program on the controller ended: somebody stopped it, a motion was not possible, or the controller "
+            "heard nothing of this computer for its watchdog's time (watchdog_s); see the pendant"
+        )
         raise RobotStoppedError(StopReason.PROGRAM_STOPPED, text)
 
 
 class Freshness:
-    """Whether the controller's clock still runs."""
+    """Whether the controller's clock still runs, as far as anybody has looked: a pause of this process is no proof."""
 
     def __init__(self, longest: float) -> None:
-        """`longest`: s that the clock may stand still."""
+        """`longest`: s that the clock may stand still while it is looked at, see `WatchedTime`."""
         self._longest = longest
         self._time: float | None = None
-        self._changed = 0.0
+        self._same = WatchedTime(0.0)
 
     def check(self, state: UrState, now: float) -> None:
         """RobotStoppedError when the time stamp has not changed for too long; `now`: `time.monotonic`."""
         if state.time != self._time:
-            self._time, self._changed = state.time, now
-        elif now - self._changed > self._longest:
-            text = f"the controller's clock has stood still for {now - self._changed:.2f} s: the pose cannot be trusted"
+            self._time = state.time
+            self._same.restart(now)
+        elif (stood := self._same.look(now)) > self._longest:
+            text = f"the controller's clock has stood still for {stood:.2f} s: the pose cannot be trusted"
             raise RobotStoppedError(StopReason.STALE_POSE, text)
 
 
@@ -108,7 +125,7 @@ class MoveWatch:
         self._move = move
         self._deadline = began + move.deadline_s(speed.metres_per_second, speed.metres_per_second2)
         self._fresh = Freshness(fresh_s)
-        self._idle_since: float | None = None
+        self._idle: WatchedTime | None = None
 
     def arrived(self, state: UrState, now: float) -> bool:
         """Whether the arm has arrived; RobotStoppedError on any doubt."""
@@ -121,13 +138,13 @@ class MoveWatch:
             text = f"the move is not over in time; the speed slider is at {100 * state.speed_scaling:.0f} %"
             raise RobotStoppedError(StopReason.DEADLINE, text)
         if state.moving:
-            self._idle_since = None
+            self._idle = None
             return False
         left = self._move.remaining(state.pose)
         if left is None:
             return True
-        if self._idle_since is None:
-            self._idle_since = now
-        elif now - self._idle_since > _AFTER_MOTION_S:
+        if self._idle is None:
+            self._idle = WatchedTime(now)
+        elif self._idle.look(now) > _AFTER_MOTION_S:
             raise RobotStoppedError(StopReason.NOT_ARRIVED, f"the motion is over {left}")
         return False

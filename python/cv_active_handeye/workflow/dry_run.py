@@ -11,6 +11,7 @@ from ..files import FileFormatError
 from ..plan_file import Plan
 from ..robots.base import MoveRefusedError, Speed
 from ..robots.guard import GuardedRobot
+from ..robots.straight_move import StraightMove
 from ..robots.workspace import step_size
 
 TURN_RADIUS = 0.25
@@ -48,6 +49,14 @@ def check_plan(robot: GuardedRobot, plan: Plan, first: int = 0) -> list[PlannedM
         moves.append(PlannedMove(i, length, angle, motor_time(length, angle, robot.speed)))
         pose = target
     return moves
+
+
+def note_of(plan: Plan) -> str | None:
+    """What a person should know of a plan before it is captured; None where there is nothing to say."""
+    first = plan.stops[0].T_gripper2base
+    if all(StraightMove(first, stop.T_gripper2base).remaining(first) is None for stop in plan.stops):
+        return f"nothing can be calibrated from this plan: its stops ({len(plan.stops)}) are all one pose; plan again"
+    return None
 
 
 def motor_time(length: float, angle_deg: float, speed: Speed) -> float:

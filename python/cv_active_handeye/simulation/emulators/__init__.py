@@ -7,7 +7,7 @@ from .control import ControlPort
 from .faults import FAULTS, FaultPlan, Faults
 from .link import EmulatorLink, EmulatorLinkError
 from .log import EventLog, moves_after_stop, read_events
-from .server import ProtocolViolation, Server
+from .server import ListenError, ProtocolViolation, Server
 from .state import ArmState
 
 __all__ = [
@@ -21,6 +21,7 @@ __all__ = [
     "EventLog",
     "FaultPlan",
     "Faults",
+    "ListenError",
     "ProtocolViolation",
     "Server",
     "moves_after_stop",

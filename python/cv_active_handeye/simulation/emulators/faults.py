@@ -23,6 +23,7 @@ FAULTS = {
     "slow_settling": (3.0, "the arm needs VALUE s to come to rest after a motion instead of 0.5 s"),
     "pose_bias": (0.5, "from now on the arm is VALUE mm away from where it says it is"),
     "pose_noise": (0.5, "the reported pose jitters with every reading, sigma VALUE mm per axis"),
+    "nan_pose": (1.0, "the controller says NaN instead of the numbers of its pose"),
     "slow_motion": (0.1, "motions run at VALUE times the commanded speed"),
     "program_stopped": (1.0, "somebody stops the program that obeys the client"),
     "register_conflict": (1.0, "a fieldbus owns the registers that the client needs"),

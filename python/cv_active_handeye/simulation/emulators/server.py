@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import errno
 import socket
 import threading
 from collections.abc import Callable
@@ -18,6 +19,17 @@ class ProtocolViolation(Exception):  # noqa: N818 (names what a client did, not 
     """The client broke the protocol; its connection is closed and the log says why."""
 
 
+class ListenError(OSError):
+    """A port that cannot be listened on; `service` and `port` say which."""
+
+    def __init__(self, service: str, host: str, port: int, error: OSError) -> None:
+        """`error`: what the system said."""
+        taken = error.errno == errno.EADDRINUSE
+        reason = "is in use, by another emulator perhaps" if taken else f"cannot be listened on ({error})"
+        super().__init__(f"{host}: port {port} ({service}) {reason}")
+        self.service, self.port, self.taken = service, port, taken
+
+
 class Server:
     """Listens on `host` and `port` (0 = chosen) and runs `serve` for every connection in a thread of its own.
 
@@ -28,13 +40,16 @@ class Server:
     def __init__(
         self, host: str, port: int, service: str, serve: Callable[[socket.socket], None], log: EventLog, limit: int = 8
     ) -> None:
-        """Begins to listen; OSError where the port is taken."""
+        """Begins to listen; ListenError where it cannot."""
         self._service, self._serve, self._log, self._limit = service, serve, log, limit
         self._lock = threading.Lock()
         self._connections: set[socket.socket] = set()
         self._threads: list[threading.Thread] = []
         self._closing = False
-        self._socket = socket.create_server((host, port))
+        try:
+            self._socket = socket.create_server((host, port))
+        except OSError as error:
+            raise ListenError(service, host, port, error) from error
         self.port: int = self._socket.getsockname()[1]
         self._acceptor = threading.Thread(target=self._accept, name=f"{service} port", daemon=True)
         self._acceptor.start()

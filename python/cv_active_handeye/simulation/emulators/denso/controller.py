@@ -110,6 +110,8 @@ class DensoController:
             self._frozen = self._frozen or (self.arm.now, self.arm.reported_pose())
             return self._frozen[0], self._frozen[1] @ self._tool_frame(), self.arm.joints
         self._frozen = None
+        if self.arm.faults.value("nan_pose"):
+            return self.arm.now, np.full((4, 4), np.nan), self.arm.joints
         return self.arm.now, self.arm.reported_pose() @ self._tool_frame(), self.arm.joints
 
     def flange_target(self, target: Target) -> Array:

@@ -30,6 +30,7 @@ DENSO_FAULTS = frozenset(
         "slow_settling",
         "pose_bias",
         "pose_noise",
+        "nan_pose",
         "slow_motion",
         "program_stopped",
     )

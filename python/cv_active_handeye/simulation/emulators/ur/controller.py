@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import threading
 from dataclasses import dataclass
@@ -45,11 +46,17 @@ class Snapshot:
 class UrController:
     """One controller with its arm. T_tcp2flange: the active tool centre point (4, 4), m. Thread-safe."""
 
-    def __init__(self, arm: EmulatedArm, version: str = "5.11", T_tcp2flange: Array | None = None) -> None:
+    def __init__(
+        self,
+        arm: EmulatedArm,
+        version: str = "5.11",
+        T_tcp2flange: Array | None = None,
+        serial: str = "20235500000",
+    ) -> None:
         """`version`: a key of VERSIONS. `T_tcp2flange`: what the installation says; None = 100 mm along z."""
         if version not in VERSIONS:
             raise ValueError(f"version: needs one of {', '.join(VERSIONS)}, given {version!r}")
-        self.arm, self.version = arm, VERSIONS[version]
+        self.arm, self.version, self.serial = arm, VERSIONS[version], serial
         self.registers = Registers()
         self.T_tcp2flange = _tool_of(100.0) if T_tcp2flange is None else T_tcp2flange
         self._lock = threading.RLock()
@@ -178,6 +185,8 @@ class UrController:
 
     def _snapshot_now(self) -> Snapshot:
         joints, pose = self.arm.joints, pose_vector(self.tcp_pose())
+        if self.arm.faults.value("nan_pose"):
+            pose = [math.nan] * 6
         return Snapshot(self.arm.now, tuple(float(x) for x in joints), tuple(pose))
 
     def _fault(self, name: str, value: float) -> None:

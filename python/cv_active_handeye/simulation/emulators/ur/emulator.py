@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import zlib
 from types import TracebackType
 
 from ..arm import EmulatedArm
@@ -22,7 +23,8 @@ class UrEmulator:
     def __init__(self, arm: EmulatedArm, host: str = "127.0.0.1", version: str = "5.11") -> None:
         """Begins to listen; OSError where a port is taken. Several emulators: addresses 127.0.0.2, 127.0.0.3, ..."""
         self.host = host
-        self.controller = controller = UrController(arm, version)
+        serial = f"2023{zlib.crc32(host.encode()):010d}"  # every address another controller
+        self.controller = controller = UrController(arm, version, serial=serial)
         claims = Claims()
         self._servers = [
             Server(host, RTDE, "rtde", lambda c: RtdeConnection(c, controller, claims).serve(), arm.log),

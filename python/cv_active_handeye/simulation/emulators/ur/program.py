@@ -19,11 +19,12 @@ from ....robots.kinematics import UnreachableError
 from ....robots.ur_pose import pose_matrix, pose_vector
 from ..arm import EmulatorStop
 from .registers import DONE, READY
+from .watchdog import Watchdogs
 
 if TYPE_CHECKING:
     from .controller import UrController
 
-MOVE_J, MOVE_L, SET_TCP, STOP_L, STOP_J = 1, 3, 29, 33, 34
+MOVE_J, MOVE_L, SET_TCP, STOP_L, STOP_J, SET_WATCHDOG = 1, 3, 29, 33, 34, 35
 STOP_SCRIPT, NONE = 255, 0
 MOTIONS = {1, 2, 3, 4, 45}
 NAMES = {
@@ -35,6 +36,7 @@ NAMES = {
     30: "getInverseKinematics",
     33: "stopL",
     34: "stopJ",
+    35: "setWatchdog",
     36: "isPoseWithinSafetyLimits",
     37: "isJointsWithinSafetyLimits",
     40: "getTCPOffset",
@@ -63,6 +65,7 @@ class ControlProgram:
         self._end = threading.Event()
         self._halt = threading.Event()
         self._motion: threading.Thread | None = None
+        self._watchdogs = Watchdogs(self._registers, self._not_heard)
         self._executing = NONE
         self._operation, self._writes = 0, 0
         self._tell_progress(running=False)
@@ -89,6 +92,7 @@ class ControlProgram:
         """Lets no further motion begin and ends the one under way, without waiting for that."""
         self._end.set()
         self._halt.set()
+        self._watchdogs.end()
 
     def stop(self) -> None:
         """Ends it and the motion that it began; returns when both have ended."""
@@ -96,6 +100,7 @@ class ControlProgram:
         for thread in (self._thread, self._motion):
             if thread is not None and thread is not threading.current_thread():
                 thread.join(5.0)
+        self._watchdogs.join()
 
     def _loop(self) -> None:
         try:
@@ -133,6 +138,7 @@ class ControlProgram:
             STOP_L: lambda d, n: self._stop_motion(d[0]),
             STOP_J: lambda d, n: self._stop_motion(d[0]),
             SET_TCP: lambda d, n: self._set_tcp(d),
+            SET_WATCHDOG: lambda d, n: self._watchdogs.set(f"input_int_register_{self._offset}", d[0]),
             26: lambda d, n: self._registers.set_doubles(self._offset, [0.002]),
             30: lambda d, n: self._inverse(d, np.array(d[6:12])),
             36: lambda d, n: self._answer(self._reachable(d)),
@@ -187,6 +193,11 @@ class ControlProgram:
             self._halt.set()
             self._motion.join(5.0)
             self._motion = None
+
+    def _not_heard(self, variable: str, limit: float) -> None:
+        text = f"no package with {variable} came for {limit:g} s"
+        self._arm.log.add("stop_condition", reason="watchdog", text=text)
+        self.end()
 
     def _set_tcp(self, d: list[float]) -> None:
         self._controller.T_tcp2flange = pose_matrix(d[:6])

@@ -19,6 +19,7 @@ class Registers:
         """All zero."""
         self.changed = threading.Condition()
         self._inputs: dict[str, Value] = dict.fromkeys(INPUT_TYPES, 0)
+        self._updates = dict.fromkeys(INPUT_TYPES, 0)
         self._ints = [0] * REGISTERS
         self._doubles = [0.0] * REGISTERS
 
@@ -26,7 +27,14 @@ class Registers:
         """A client's package."""
         with self.changed:
             self._inputs.update(values)
+            for name in values:
+                self._updates[name] += 1
             self.changed.notify_all()
+
+    def updates(self, name: str) -> int:
+        """How many packages with this input variable have come."""
+        with self.changed:
+            return self._updates[name]
 
     def ints(self, offset: int) -> list[int]:
         """The 24 integers that a client wrote, from register `offset` on."""

@@ -48,7 +48,7 @@ def dashboard_answer(command: str, controller: UrController) -> str:
     """What the dashboard says to a command in lower case."""
     answers: dict[str, Callable[[UrController], str]] = {
         "polyscopeversion": lambda c: f"URSoftware {'.'.join(map(str, c.version))} (Jan 01 2024)",
-        "get serial number": lambda c: "20235500000",
+        "get serial number": lambda c: c.serial,
         "get robot model": lambda c: "UR5",
         "is in remote control": lambda c: "true" if c.remote else "false",
         "robotmode": lambda c: "Robotmode: " + ("RUNNING" if c.robot_mode == 7 else "POWER_OFF"),

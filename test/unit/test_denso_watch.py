@@ -1,0 +1,58 @@
+# SPDX-FileCopyrightText: 2026 active_handeye contributors
+# SPDX-License-Identifier: Apache-2.0
+"""When a pose of a DENSO controller is too old to be believed."""
+
+from __future__ import annotations
+
+import time
+from typing import cast
+
+import numpy as np
+import pytest
+
+from cv_active_handeye.robots.base import RobotStoppedError
+from cv_active_handeye.robots.bcap_packets import Value
+from cv_active_handeye.robots.denso_link import DensoLink
+from cv_active_handeye.robots.denso_watch import DensoWatch
+
+FRESH_S = 0.1
+
+
+class Link:
+    """A controller whose clock counts its answers, each of which takes the next of `pauses` (s), then none."""
+
+    def __init__(self, *pauses: float, frozen: bool = False) -> None:
+        self._pauses, self._frozen, self.asked = list(pauses), frozen, 0
+
+    def execute(self, command: str, deadline_s: float) -> Value:
+        assert deadline_s == FRESH_S
+        if command == "CurJnt":
+            return [0.0] * 6
+        self.asked += 1
+        time.sleep(self._pauses.pop(0) if self._pauses else 0.0)
+        return [1.0 if self._frozen else float(self.asked), 0.0, 0.0, 500.0, 0.0, 0.0, 0.0, -1.0]
+
+
+def watch(link: Link) -> DensoWatch:
+    return DensoWatch(cast(DensoLink, link), "rc8", FRESH_S)
+
+
+def test_late_reading_is_asked_for_once_more_for_this_process_may_have_been_paused() -> None:
+    link = Link(3 * FRESH_S)
+    pose = watch(link).pose()
+    assert (link.asked, pose.controller_time) == (2, 0.002)
+    np.testing.assert_allclose(pose.T_gripper2base[:3, 3], [0, 0, 0.5], atol=1e-12)
+
+
+def test_controller_that_is_late_twice_gives_no_pose() -> None:
+    with pytest.raises(RobotStoppedError, match=r"stale pose: no pose came within 0\.1 s"):
+        watch(Link(3 * FRESH_S, 3 * FRESH_S)).pose()
+
+
+def test_pause_before_a_clock_that_stands_still_hides_it_for_one_reading_only() -> None:
+    link = Link(0.0, 3 * FRESH_S, frozen=True)
+    looking = watch(link)
+    looking.pose()
+    with pytest.raises(RobotStoppedError, match=r"stale pose: the controller's clock stands still at 0\.001 s"):
+        looking.pose()
+    assert link.asked == 3
