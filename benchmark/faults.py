@@ -179,7 +179,7 @@ def _capture(folder: Path, *, resume: bool) -> Capture:
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        env={**os.environ, "COLUMNS": "300"},
+        env={**os.environ, "COLUMNS": "300", "XDG_STATE_HOME": str(folder / "state")},
     )
     try:
         output, _ = process.communicate("move\n", timeout=DEADLINE_S)

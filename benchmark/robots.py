@@ -139,9 +139,10 @@ def _nothing() -> Iterator[None]:
 
 def _command(folder: Path) -> int:
     command = [*PROGRAM, "run", str(folder / "run"), "--station", str(folder / "station.yaml"), "--live"]
+    environment = {**os.environ, "PYLON_CAMEMU": "1", "XDG_STATE_HOME": str(folder / "state")}
     with (folder / "run.log").open("w") as output:
         given: dict[str, Any] = {"stdout": output, "stderr": subprocess.STDOUT, "text": True, "timeout": 1200}
-        return subprocess.run(command, input="move\n", env={**os.environ, "PYLON_CAMEMU": "1"}, **given).returncode
+        return subprocess.run(command, input="move\n", env=environment, **given).returncode
 
 
 def report_of(runs: Sequence[Run]) -> Report:
