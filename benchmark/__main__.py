@@ -2,13 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs the benchmarks, each in a process of its own, and keeps their reports in out/benchmark/*.json.
 
-With --write, doc/accuracy.md and the accuracy table of the README are made from the newest report of every benchmark.
+With --write, doc/accuracy.md and the accuracy table of the README get the newest report of every benchmark that ran on
+this machine; the others keep theirs.
 Exit status 1 when a measure is missed or a benchmark fails.
 """
 
 from __future__ import annotations
 
 import argparse
+import re
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -48,7 +50,12 @@ class Headline:
             raise KeyError(f"benchmark/{self.script}.py has no measure {self.pattern!r}")
         worst: Measure = (min if found[0].at_least else max)(found, key=lambda measure: measure.value)
         _, value, limit, _ = worst.row()
-        return [self.text, format_cell(value), limit, f"`benchmark/{self.script}.py`"]
+        return [self.text, format_cell(value), limit, self.key[1]]
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Text and script, as the README shows them."""
+        return self.text, f"`benchmark/{self.script}.py`"
 
 
 HEADLINES = (
@@ -115,23 +122,42 @@ def run(name: str, where: Sequence[str] = ()) -> int:
 
 
 def write(reports: dict[str, Report]) -> None:
-    """doc/accuracy.md in full, and the README's table between its markers."""
+    """doc/accuracy.md, and the README's table between its markers; what has no report here stays as it was."""
+    accuracy = REPOSITORY / "doc/accuracy.md"
+    sections = _sections(accuracy.read_text(encoding="utf-8")) if accuracy.is_file() else {}
+    sections.update({report.title: report.markdown() for report in reports.values()})
     introduction = (
         "# Accuracy and speed\n\nWritten by `make bench` on one machine (two cores, shared with other work); "
-        "[benchmark/README.md](../benchmark/README.md) says what each part measures and how to run it alone.\n\n"
+        "[benchmark/README.md](../benchmark/README.md) says what each part measures and how to run it alone.\n"
     )
-    accuracy = REPOSITORY / "doc/accuracy.md"
-    accuracy.write_text(introduction + "\n".join(report.markdown() for report in reports.values()), encoding="utf-8")
-    rows = [line.row(reports[line.script]) for line in HEADLINES if line.script in reports]
-    table = Table("", ("measured (worst case)", "result", "limit", "printed by"), rows).markdown().split("\n", 2)[2]
+    accuracy.write_text("\n".join([introduction, *sections.values()]), encoding="utf-8")
     readme = REPOSITORY / "README.md"
     text = readme.read_text(encoding="utf-8")
     if not all(marker in text for marker in MARKERS):
         raise ValueError(f"{readme}: needs the lines {' and '.join(MARKERS)} where the accuracy table belongs")
     before, rest = text.split(MARKERS[0])
-    _, after = rest.split(MARKERS[1])
+    old, after = rest.split(MARKERS[1])
+    stood = _rows(old)
+    rows = [line.row(reports[line.script]) if line.script in reports else stood.get(line.key) for line in HEADLINES]
+    columns = ("measured (worst case)", "result", "limit", "printed by")
+    table = Table("", columns, [row for row in rows if row]).markdown().split("\n", 2)[2]
     link = "All tables: [doc/accuracy.md](doc/accuracy.md).\n"
     readme.write_text(f"{before}{MARKERS[0]}\n{table}\n{link}{MARKERS[1]}{after}", encoding="utf-8")
+
+
+def _sections(text: str) -> dict[str, str]:
+    """The sections of doc/accuracy.md by their title, in their order."""
+    parts = re.split(r"^## ", text, flags=re.MULTILINE)[1:]
+    return {part.split("\n", 1)[0]: f"## {part.rstrip()}\n" for part in parts}
+
+
+def _rows(table: str) -> dict[tuple[str, str], list[Cell]]:
+    """The rows of the README's table by their text and script."""
+    rows: list[list[Cell]] = []
+    for line in table.splitlines():
+        if line.startswith("|"):
+            rows.append([cell.strip() for cell in line.strip("|").split("|")])
+    return {(str(row[0]), str(row[3])): row for row in rows}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -60,6 +60,29 @@ def test_write_replaces_what_stands_between_the_markers(tmp_path: Path, monkeypa
     assert "## Speed" in (tmp_path / "doc/accuracy.md").read_text(encoding="utf-8")
 
 
+def test_write_keeps_what_other_benchmarks_wrote(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    start, end = runner.MARKERS
+    (tmp_path / "doc").mkdir()
+    (tmp_path / "README.md").write_text(f"{start}\n{end}\n", encoding="utf-8")
+    monkeypatch.setattr(runner, "REPOSITORY", tmp_path)
+    lines = (runner.Headline("speed", "fast", "how fast"), runner.Headline("foe", "error", "how exact"))
+    monkeypatch.setattr(runner, "HEADLINES", lines)
+    first = {
+        "speed": Report("Speed", "one run", [TABLE], [Measure("fast", 2.0, 3.0)]),
+        "foe": Report("Direction", "one run", [TABLE], [Measure("error", 0.5, 1.0)]),
+    }
+    runner.write(first)
+    whole = (tmp_path / "doc/accuracy.md").read_text(encoding="utf-8"), (tmp_path / "README.md").read_text("utf-8")
+    runner.write({"foe": first["foe"]})
+    again = (tmp_path / "doc/accuracy.md").read_text(encoding="utf-8"), (tmp_path / "README.md").read_text("utf-8")
+    assert again == whole
+    runner.write({"foe": Report("Direction", "another run", [], [Measure("error", 0.25, 1.0)])})
+    accuracy, readme = (tmp_path / "doc/accuracy.md").read_text("utf-8"), (tmp_path / "README.md").read_text("utf-8")
+    assert "## Speed\n\none run" in accuracy
+    assert "## Direction\n\nanother run" in accuracy
+    assert [line.split("|")[2].strip() for line in readme.splitlines()[3:5]] == ["2.000", "0.2500"]
+
+
 def test_a_headline_without_its_measure_is_an_error() -> None:
     with pytest.raises(KeyError, match="has no measure 'gone'"):
         runner.Headline("speed", "gone", "accuracy").row(Report("Speed", "one run"))
