@@ -56,3 +56,31 @@ def test_pause_before_a_clock_that_stands_still_hides_it_for_one_reading_only() 
     with pytest.raises(RobotStoppedError, match=r"stale pose: the controller's clock stands still at 0\.001 s"):
         looking.pose()
     assert link.asked == 3
+
+
+class SwitchedLink(Link):
+    """A controller that somebody switches to manual mode, which is an error, after so many of its answers."""
+
+    def __init__(self, after: int) -> None:
+        super().__init__()
+        self._after = after
+
+    def read(self, name: str, deadline_s: float) -> int:
+        assert deadline_s == FRESH_S
+        automatic = self.asked < self._after
+        self.asked += 1
+        return {"@MODE": 3 if automatic else 1, "@ERROR_CODE": 0 if automatic else 0x04400004}.get(name, 0)
+
+    def describe(self, code: int) -> str:
+        return f"error {code}"
+
+
+@pytest.mark.parametrize("after", range(4))
+def test_error_is_never_told_instead_of_the_mode_that_is_its_cause(after: int) -> None:
+    link = SwitchedLink(after)
+    try:
+        watch(link).check(motor_on=False)
+    except RobotStoppedError as stop:
+        assert "the controller is in manual mode (1), automatic is needed" in str(stop)
+    else:
+        assert link.asked == after  # nothing was read after the switch

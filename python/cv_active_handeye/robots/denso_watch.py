@@ -58,6 +58,7 @@ class DensoWatch:
     def check(self, motor_on: bool) -> None:
         """RobotStoppedError where the controller is in a state in which nothing may move."""
         with told_stops("the state"):
+            code = self._read("@ERROR_CODE") & 0xFFFFFFFF  # first: what is read after it may be its cause
             if self._read("@EMERGENCY_STOP"):
                 raise RobotStoppedError(
                     StopReason.EMERGENCY_STOP, "release the emergency stop, clear the error at the pendant"
@@ -68,7 +69,6 @@ class DensoWatch:
                     StopReason.PROGRAM_STOPPED,
                     f"the controller is in {_MODES.get(mode, 'an unknown')} mode ({mode}), automatic is needed",
                 )
-            code = self._read("@ERROR_CODE") & 0xFFFFFFFF
             if code:
                 text = self.link.describe(code) or "no description"
                 raise RobotStoppedError(
