@@ -6,12 +6,9 @@ from __future__ import annotations
 
 import struct
 
-import atheris
-
-with atheris.instrument_imports(include=["cv_active_handeye.robots.bcap_packets"]):
-    from cv_active_handeye.robots.bcap_packets import Packet, PacketError, PacketStream, decode_packet, encode_packet
-
 from driver import require, run
+
+from cv_active_handeye.robots.bcap_packets import Packet, PacketError, PacketStream, decode_packet, encode_packet
 
 
 def check(data: bytes) -> Packet | None:
@@ -50,4 +47,4 @@ def target(data: bytes) -> None:
 
 
 if __name__ == "__main__":
-    run("bcap_packets", target)
+    run("bcap_packets", target, "cv_active_handeye.robots.bcap_packets")
