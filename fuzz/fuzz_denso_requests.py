@@ -7,14 +7,7 @@ from __future__ import annotations
 import socket
 import struct
 
-import atheris
 import numpy as np
-
-with atheris.instrument_imports(include=["cv_active_handeye.simulation.emulators.denso"]):
-    from cv_active_handeye.simulation.emulators.denso import DENSO_FAULTS, PROFILES
-    from cv_active_handeye.simulation.emulators.denso.controller import DensoController
-    from cv_active_handeye.simulation.emulators.denso.session import Session
-
 from driver import require, run
 
 from cv_active_handeye.robots.bcap_codes import Function, is_failure
@@ -22,6 +15,9 @@ from cv_active_handeye.robots.bcap_packets import Packet, PacketError, decode_pa
 from cv_active_handeye.robots.denso_link import PROVIDERS
 from cv_active_handeye.simulation.config import CellConfig
 from cv_active_handeye.simulation.emulators import EmulatedArm, EventLog, Faults
+from cv_active_handeye.simulation.emulators.denso import DENSO_FAULTS, PROFILES
+from cv_active_handeye.simulation.emulators.denso.controller import DensoController
+from cv_active_handeye.simulation.emulators.denso.session import Session
 
 _FUNCTIONS = tuple(Function)
 _START = np.radians([20.0, 35.0, 110.0, -10.0, 40.0, -50.0])
@@ -70,4 +66,4 @@ def target(data: bytes) -> None:
 
 
 if __name__ == "__main__":
-    run("denso_requests", target)
+    run("denso_requests", target, "cv_active_handeye.simulation.emulators.denso")

@@ -6,30 +6,25 @@ from __future__ import annotations
 
 import struct
 
-import atheris
-
-with atheris.instrument_imports(
-    include=["cv_active_handeye.robots.rtde_packets", "cv_active_handeye.simulation.emulators.ur.rtde_packets"]
-):
-    from cv_active_handeye.robots.rtde_packets import (
-        DATA,
-        INPUTS,
-        OUTPUTS,
-        PROTOCOL,
-        Packet,
-        PacketError,
-        PacketReader,
-        Recipe,
-    )
-    from cv_active_handeye.simulation.emulators.ur.rtde_packets import (
-        INPUT_TYPES,
-        OUTPUT_TYPES,
-        names_of,
-        output_request,
-        protocol_version,
-    )
-
 from driver import require, run
+
+from cv_active_handeye.robots.rtde_packets import (
+    DATA,
+    INPUTS,
+    OUTPUTS,
+    PROTOCOL,
+    Packet,
+    PacketError,
+    PacketReader,
+    Recipe,
+)
+from cv_active_handeye.simulation.emulators.ur.rtde_packets import (
+    INPUT_TYPES,
+    OUTPUT_TYPES,
+    names_of,
+    output_request,
+    protocol_version,
+)
 
 KINDS = b"VvMUOISP"
 
@@ -93,4 +88,9 @@ def target(data: bytes) -> None:
 
 
 if __name__ == "__main__":
-    run("rtde_packets", target)
+    run(
+        "rtde_packets",
+        target,
+        "cv_active_handeye.robots.rtde_packets",
+        "cv_active_handeye.simulation.emulators.ur.rtde_packets",
+    )
