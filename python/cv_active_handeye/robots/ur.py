@@ -253,14 +253,16 @@ class UrRobot:
             raise RobotError(f"{self.name}: {call}: {error}") from error
 
     def _ask_program(self, call: str, *arguments: object) -> bool:
-        """An answer of our program on the controller; a no is believed only while that runs and the link stands."""
+        """An answer of our program on the controller, believed only while that runs and the link stands.
+
+        ur_rtde connects anew by itself where only the link was cut, and answers then.
+        """
         self._check_latch()
         answer = bool(self._ask(call, *arguments, deadline=_CALL_S))
-        if not answer:
-            try:
-                check_state(self._fresh_state(), live=True)
-            except RobotStoppedError as error:
-                raise self._halted(error) from error.__cause__
+        try:
+            check_state(self._fresh_state(), live=True)
+        except RobotStoppedError as error:
+            raise self._halted(error) from error.__cause__
         return answer
 
     def _check_latch(self) -> None:

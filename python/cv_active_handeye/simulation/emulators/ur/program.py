@@ -52,6 +52,7 @@ NAMES = {
 
 _WITHOUT_HANDSHAKE = {6, 9, 10, 11, 24, 25, 26, 27, 38, 58, 66, 67, 68, 69, 70, 71}
 _POLL = 0.02  # s between looks at the stop conditions
+_START_S = 0.1  # as a controller, which has taken the registers that were sent before the program by then
 _RUNNING = 0x8000  # bit of output_int_register_2 while an asynchronous motion is under way
 
 
@@ -69,7 +70,7 @@ class ControlProgram:
         self._executing = NONE
         self._operation, self._writes = 0, 0
         self._tell_progress(running=False)
-        self._registers.set_int(offset, READY)
+        self._registers.set_int(offset, NONE)
         self._thread = threading.Thread(target=self._loop, name="UR program", daemon=True)
         self._thread.start()
 
@@ -104,6 +105,9 @@ class ControlProgram:
 
     def _loop(self) -> None:
         try:
+            if self._arm.stop_condition is None:
+                self._end.wait(_START_S)
+                self._registers.set_int(self._offset, READY)
             while not self._end.is_set() and self._arm.stop_condition is None:
                 if not self._step(self._registers.ints(self._offset)[0]):
                     break
