@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import gc
 import sys
+import tarfile
 from collections.abc import Callable
 from pathlib import Path
 from types import FunctionType
@@ -19,12 +20,15 @@ _ROOT = Path(__file__).parents[1]
 def run(name: str, target: Callable[[bytes], None], *modules: str) -> None:
     """Fuzzes until libFuzzer's arguments (-max_total_time=60, an input file, ...) say stop.
 
-    What reaches new code of `modules`, which are loaded, is kept in build/fuzz/NAME/corpus; the seeds are read from
-    fuzz/corpus/NAME.
+    What reaches new code of `modules`, which are loaded, is kept in build/fuzz/NAME/corpus. That begins with what
+    earlier runs found, fuzz/corpus/NAME.tar.xz; the seeds are read from fuzz/corpus/NAME.
     """
     _instrument(modules)
     work = _ROOT / "build/fuzz" / name
-    (work / "corpus").mkdir(parents=True, exist_ok=True)
+    if not (work / "corpus").is_dir():
+        (work / "corpus").mkdir(parents=True)
+        with tarfile.open(_ROOT / "fuzz/corpus" / f"{name}.tar.xz") as found:
+            found.extractall(work / "corpus", filter="data")
     limits = [f"-timeout={INPUT_S}", f"-rss_limit_mb={MEMORY_MB}", f"-max_len={LONGEST}", f"-artifact_prefix={work}/"]
     files = [argument for argument in sys.argv[1:] if not argument.startswith("-")]
     options = [argument for argument in sys.argv[1:] if argument.startswith("-")]
