@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 import gc
+import shutil
 import sys
-import tarfile
 from collections.abc import Callable
 from pathlib import Path
 from types import FunctionType
@@ -26,9 +26,7 @@ def run(name: str, target: Callable[[bytes], None], *modules: str) -> None:
     _instrument(modules)
     work = _ROOT / "build/fuzz" / name
     if not (work / "corpus").is_dir():
-        (work / "corpus").mkdir(parents=True)
-        with tarfile.open(_ROOT / "fuzz/corpus" / f"{name}.tar.xz") as found:
-            found.extractall(work / "corpus", filter="data")
+        shutil.unpack_archive(_ROOT / "fuzz/corpus" / f"{name}.tar.xz", work / "corpus")
     limits = [f"-timeout={INPUT_S}", f"-rss_limit_mb={MEMORY_MB}", f"-max_len={LONGEST}", f"-artifact_prefix={work}/"]
     files = [argument for argument in sys.argv[1:] if not argument.startswith("-")]
     options = [argument for argument in sys.argv[1:] if argument.startswith("-")]
