@@ -127,15 +127,12 @@ void writeIntervals(const HandEyeFit& fit, HandEyeSummary& summary)
 
 void writeNoise(const HandEyeFit& fit, HandEyeSummary& summary)
 {
-    const NoiseMatrix ofLogarithms = fit.variances().logVarianceCovariance();
     MatrixXd table(int(HAND_EYE_NOISES), 4);
     bool isGiven = true;
     for (int k = 0; k < HAND_EYE_NOISES; ++k)
     {
-        const double level = std::sqrt(fit.variances().variances()(k));
-        const double spread = std::exp(0.5 * studentQuantile(0.05, std::numeric_limits<double>::infinity()) *
-                                       std::sqrt(ofLogarithms(k, k))); // of a variance: half of its logarithm
-        table.row(k) << level, level / spread, level * spread, double(fit.isEstimated(k));
+        table.row(k) << std::sqrt(fit.variances().variances()(k)), fit.variances().interval(k).transpose(),
+            double(fit.isEstimated(k));
         isGiven = isGiven && !fit.isEstimated(k);
     }
     const double NaN = std::numeric_limits<double>::quiet_NaN();
@@ -172,17 +169,12 @@ void judge(int views, HandEyeSummary& summary)
 {
     const double leastPValue = 0.01;
     const int rejected = int(summary.rejectedViews.size());
-    const std::string leftOut =
-        rejected > 0 ? cv::format("%d of %d views contradict the others and were left out", rejected, views) : "";
-    const bool isTested = summary.chiSquarePValue == summary.chiSquarePValue;
-    summary.usable = 3 * rejected <= views && !(isTested && summary.chiSquarePValue < leastPValue);
-    if (3 * rejected > views)
-        summary.message = "not usable: " + leftOut;
-    else if (!summary.usable)
-        summary.message =
-            cv::format("not usable: the poses do not fit the noise levels given (p = %.2g)", summary.chiSquarePValue);
-    else
-        summary.message = rejected > 0 ? "usable; " + leftOut : "usable";
+    summary.usable = !(summary.chiSquarePValue < leastPValue);
+    summary.message = summary.usable ? "usable"
+                                     : cv::format("not usable: the poses do not fit the noise levels given (p = %.2g)",
+                                                  summary.chiSquarePValue);
+    if (rejected > 0)
+        summary.message += cv::format("; %d of %d views contradict the others and were left out", rejected, views);
 }
 
 //! Maximum likelihood. Returns the standard deviation of the translation.
@@ -195,6 +187,7 @@ double refined(HandEyeViews views, const NoiseVariances& given, Pose& cam2grippe
     requireAgreement(views, start.state.cam2gripper);
     HandEyeFit fit(views, given, length);
     fit.run(start);
+    requireMostViews(views, fit.usedViews());
     requireDetermined(views, fit.variances(), length);
     cam2gripper = fit.state().cam2gripper;
     summary.iterations = fit.iterations();

@@ -125,29 +125,18 @@ Disagreement disagreement(const HandEyeViews& views, const Pose& cam2gripper)
     return Disagreement{median(angles), std::sqrt(turns), median(distances), std::sqrt(paths) + 1e-300};
 }
 
-//! Which argument has to be inverted for the views to agree; empty when none helps.
-std::string inversionThatAgrees(const HandEyeViews& views, double given)
+//! A hint when the views agree with one kind of poses inverted; it cannot be told which kind.
+std::string hintOfInversion(const HandEyeViews& views)
 {
-    HandEyeViews robot = views, camera = views;
-    robot.gripper2base = inverses(views.gripper2base);
-    camera.target2cam = inverses(views.target2cam);
-    const struct
-    {
-        const HandEyeViews& views;
-        const char* text;
-    } inversions[] = {
-        {robot, "; they agree when the robot's poses are inverted: R_gripper2base, t_gripper2base map from the gripper "
-                "to the base (with a camera beside the robot: the other way round)"},
-        {camera, "; they agree when the target's poses are inverted: R_target2cam, t_target2cam map from the "
-                 "target to the camera"}};
-    for (const auto& inverted : inversions)
-    {
-        const HandEyeMotions motions = motionsOf(inverted.views);
-        const Matrix3d R = rotationFromLogarithms(motions);
-        if (disagreement(inverted.views, Pose{R, translationOf(motions, R)}).ratio() < 0.2 * given)
-            return inverted.text;
-    }
-    return "";
+    HandEyeViews inverted = views;
+    inverted.gripper2base = inverses(views.gripper2base);
+    const HandEyeMotions motions = motionsOf(inverted);
+    const Matrix3d R = rotationFromLogarithms(motions);
+    if (disagreement(inverted, Pose{R, translationOf(motions, R)}).ratio() > 0.1)
+        return "";
+    return "; they agree when the poses of either the robot or the target are inverted: R_gripper2base, t_gripper2base map "
+           "from gripper to base (the other way round with a camera beside the robot), R_target2cam, t_target2cam from "
+           "target to camera";
 }
 
 } // namespace
@@ -184,7 +173,7 @@ void requireAgreement(const HandEyeViews& views, const Pose& cam2gripper)
     const Disagreement found = disagreement(views, cam2gripper);
     if (found.ratio() <= largestRatio)
         return;
-    const std::string hint = inversionThatAgrees(views, found.ratio());
+    const std::string hint = hintOfInversion(views);
     const double degrees = 180 / CV_PI;
     if (found.angle / found.turn > largestRatio)
         CV_Error(
@@ -201,6 +190,18 @@ void requireAgreement(const HandEyeViews& views, const Pose& cam2gripper)
             "given motions of %.3g (RMS) after which it differs by %.3g (median)",
             found.path, found.distance) +
             hint);
+}
+
+void requireMostViews(const HandEyeViews& views, int agreeing)
+{
+    if (3 * agreeing < 2 * views.count())
+        CV_Error(
+            Error::StsNoConv,
+            cv::format(
+                "R_gripper2base, R_target2cam: the views contradict each other; needed two thirds of them to agree, "
+                "given %d of %d",
+                agreeing, views.count()) +
+                hintOfInversion(views));
 }
 
 }} // namespace cv::active_handeye

@@ -6,6 +6,9 @@
 #define OPENCV_ACTIVE_HANDEYE_HAND_EYE_MOTIONS_HPP
 
 #include "pose.hpp"
+namespace cv { namespace active_handeye {
+AlignedVector<Pose> readPoses(InputArrayOfArrays, InputArrayOfArrays, const char*, const char*, size_t);
+}} // namespace cv::active_handeye
 
 namespace cv { namespace active_handeye {
 
@@ -47,6 +50,9 @@ void requireSameUnit(const HandEyeMotions& motions);
 
 //! Throws StsNoConv unless most views agree on where the target is; says so when they would with poses inverted.
 void requireAgreement(const HandEyeViews& views, const Pose& cam2gripper);
+
+//! Throws StsNoConv, with the same hint, when less than two thirds of the views agree.
+void requireMostViews(const HandEyeViews& views, int agreeing);
 
 }} // namespace cv::active_handeye
 

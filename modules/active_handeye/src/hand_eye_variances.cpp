@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "hand_eye_variances.hpp"
+#include "distributions.hpp"
 
 namespace cv { namespace active_handeye {
 
@@ -148,6 +149,21 @@ double HandEyeVariances::degreesOfFreedom(int unknown) const
     }
     const double variance = covariance_(unknown, unknown), spread = gradient.dot(logVarianceCovariance() * gradient);
     return spread > 0 ? 2 * variance * variance / spread : std::numeric_limits<double>::infinity();
+}
+
+//! Symmetric in the logarithm while that is known; else the variance itself is taken as normal.
+Eigen::Vector2d HandEyeVariances::interval(int noise) const
+{
+    const double variance = variances_(noise),
+                 normal95 = studentQuantile(0.05, std::numeric_limits<double>::infinity());
+    if (!isFree_[noise])
+        return Eigen::Vector2d::Constant(std::sqrt(variance));
+    const double ofLogarithm = std::sqrt(logVarianceCovariance()(noise, noise)), known = 1;
+    if (isActive(noise) && ofLogarithm < known)
+        return Eigen::Vector2d(std::exp(-0.5 * normal95 * ofLogarithm), std::exp(0.5 * normal95 * ofLogarithm)) *
+               std::sqrt(variance);
+    const double ofVariance = variance / std::sqrt(information_(noise, noise));
+    return Eigen::Vector2d(0, std::sqrt(variance + normal95 * ofVariance));
 }
 
 }} // namespace cv::active_handeye

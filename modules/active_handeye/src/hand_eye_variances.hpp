@@ -35,13 +35,16 @@ public:
     //! Degrees of freedom of the variance of one unknown (Satterthwaite); infinite when no level was estimated.
     double degreesOfFreedom(int unknown) const;
 
-    //! Covariance of the logarithms of the variances; zero rows for levels that were not estimated.
-    NoiseMatrix logVarianceCovariance() const;
+    //! 95 % interval of a level; from 0 where the level cannot be told from it.
+    Eigen::Vector2d interval(int noise) const;
 
 private:
     void solve(AlignedVector<Matrix6d>& W, AlignedVector<Matrix6x12d>& WJ);
     void evaluate();
     bool isActive(int noise) const;
+
+    //! Covariance of the logarithms of the variances; zero rows for levels that were not estimated.
+    NoiseMatrix logVarianceCovariance() const;
     void move(const NoiseVariances& logStep);
 
     const HandEyeResiduals& residuals_;
