@@ -25,24 +25,27 @@ void HandEyeFit::linearize()
     residuals_.clear();
     for (int view : used_)
         residuals_.push_back(linearizedResidual(views_, view, state_));
-    variances_ = makePtr<HandEyeVariances>(residuals_, variance_, floors_, isFree_);
+    variances_ = std::allocate_shared<HandEyeVariances>(Eigen::aligned_allocator<HandEyeVariances>(), residuals_,
+                                                        variance_, floors_, isFree_);
 }
 
 //! Least squares with the present levels, levels from its residuals, until neither changes.
 void HandEyeFit::solve()
 {
     const int maxRounds = 50;
-    const double tolerance = 1e-8;
+    const double tolerance = 1e-6;
+    double stepBefore = std::numeric_limits<double>::infinity();
     for (int round = 0; round < maxRounds; ++round)
     {
         HandEyeProblem problem(views_, used_, state_, variance_);
         iterations_ += solveLeastSquares(problem).iterations;
         state_ = problem.state();
         linearize();
-        const double change = variances_->estimate();
+        const double change = variances_->estimate(), step = variances_->squaredStep();
         variance_ = variances_->variances();
-        if (round > 0 && change < tolerance && variances_->squaredStep() < tolerance * tolerance)
+        if (change < tolerance && (step < 1e-16 || step >= stepBefore)) // or rounding is reached
             break;
+        stepBefore = step;
     }
 }
 

@@ -8,6 +8,8 @@
 
 #include "hand_eye_variances.hpp"
 
+#include <memory>
+
 namespace cv { namespace active_handeye {
 
 //! A state that most views agree on, from the best of many samples of three views, and these views.
@@ -50,7 +52,7 @@ private:
     HandEyeState state_;
     std::vector<int> used_; //!< ascending
     HandEyeResiduals residuals_;
-    Ptr<HandEyeVariances> variances_;
+    std::shared_ptr<HandEyeVariances> variances_;
     int iterations_;
 };
 

@@ -21,7 +21,7 @@ std::vector<Vec3i> samplesOfViews(int n)
 {
     const int most = 500;
     std::vector<Vec3i> samples;
-    if (n * (n - 1) * (n - 2) / 6 <= most || n < 4)
+    if (n * (n - 1.) * (n - 2.) / 6 <= most)
     {
         for (int i = 0; i < n; ++i)
             for (int j = i + 1; j < n; ++j)
