@@ -60,12 +60,12 @@ double HandEyeFit::pValue(const HandEyeResidual& residual, int row, bool isUsed)
               robot = row == 0 ? NOISE_ROBOT_ROTATION : NOISE_ROBOT_TRANSLATION;
     if (!isFree_[camera] && !isFree_[robot])
         return chiSquareTail(squares, 3);
-    // The levels are estimates, and if the view is used also its own.
+    // The levels are estimates, and if the view is used also its own. Half of the degrees of freedom, since several levels share them.
     const double dof = 3. * usedViews() - 6, others = isUsed ? dof - 3 : dof;
     if (others < 1)
         return 1;
     const double rest = isUsed ? dof - squares : dof;
-    return rest > 0 ? fTail(squares / 3 / (rest / others), 3, others) : 0;
+    return rest > 0 ? fTail(squares / 3 / (rest / others), 3, 0.5 * others) : 0;
 }
 
 Eigen::Vector2d HandEyeFit::pValues(int view) const
