@@ -33,7 +33,7 @@ void HandEyeFit::linearize()
 void HandEyeFit::solve()
 {
     const int maxRounds = 50;
-    const double tolerance = 1e-6;
+    const double tolerance = 1e-8;
     double stepBefore = std::numeric_limits<double>::infinity();
     for (int round = 0; round < maxRounds; ++round)
     {

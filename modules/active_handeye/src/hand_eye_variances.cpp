@@ -155,7 +155,7 @@ double HandEyeVariances::estimate()
 {
     const NoiseVariances start = variances_;
     const int maxIterations = 100;
-    const double limit = 1.5, tolerance = 1e-7;
+    const double limit = 1.5, tolerance = 1e-9;
     for (int iteration = 0; iteration < maxIterations; ++iteration)
     {
         const NoiseVariances step = scoringStep();
