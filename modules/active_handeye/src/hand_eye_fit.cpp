@@ -8,7 +8,11 @@
 
 namespace cv { namespace active_handeye {
 
-static const double significance = 1e-3; // of leaving out a good view, all views together
+//! p-value below which a view is left out: 0.1 % for all tests of all views together.
+double HandEyeFit::limit() const
+{
+    return 1e-3 / (2 * views_.count());
+}
 
 HandEyeFit::HandEyeFit(const HandEyeViews& views, const NoiseVariances& given, double length)
     : views_(views), variance_(given.cwiseAbs2()), iterations_(0)
@@ -74,21 +78,35 @@ Eigen::Vector2d HandEyeFit::pValues(int view) const
     return Eigen::Vector2d(pValue(residual, 0, isUsed(view)), pValue(residual, 3, isUsed(view)));
 }
 
-//! Leaves out the view that contradicts most, or takes in the one that agrees best; false when there is none.
-bool HandEyeFit::exchangeView(std::vector<bool>& wasLeftOut)
+//! Leaves out the view that contradicts most, if it still does when the others alone give the solution.
+void HandEyeFit::leaveOut(int view)
 {
-    const double limit = significance / (2 * views_.count());
+    used_.erase(std::find(used_.begin(), used_.end(), view));
+    solve();
+    if (pValues(view).minCoeff() >= limit())
+        takeIn(view);
+}
+
+void HandEyeFit::takeIn(int view)
+{
+    used_.insert(std::upper_bound(used_.begin(), used_.end(), view), view);
+    solve();
+}
+
+//! Leaves out the view that contradicts most, or takes in the one that agrees best; false when there is none.
+bool HandEyeFit::exchangeView(std::vector<bool>& isDecided)
+{
     int worst = -1, best = -1;
-    double least = limit, most = limit;
+    double least = limit(), most = limit();
     for (int view = 0; view < views_.count(); ++view)
     {
-        const double p = pValues(view).minCoeff();
+        const double p = isDecided[view] ? limit() : pValues(view).minCoeff();
         if (isUsed(view) && p < least)
         {
             least = p;
             worst = view;
         }
-        else if (!isUsed(view) && !wasLeftOut[view] && p > most)
+        else if (!isUsed(view) && p > most)
         {
             most = p;
             best = view;
@@ -96,12 +114,12 @@ bool HandEyeFit::exchangeView(std::vector<bool>& wasLeftOut)
     }
     if (worst >= 0 && usedViews() > 3)
     {
-        used_.erase(std::find(used_.begin(), used_.end(), worst));
-        wasLeftOut[worst] = true;
+        isDecided[worst] = true;
+        leaveOut(worst);
         return true;
     }
     if (best >= 0)
-        used_.insert(std::upper_bound(used_.begin(), used_.end(), best), best);
+        takeIn(best);
     return best >= 0;
 }
 
@@ -119,10 +137,10 @@ void HandEyeFit::run(const HandEyeStart& start)
     for (int k = 0; k < HAND_EYE_NOISES; ++k)
         if (isFree_[k])
             variance_(k) = std::max(squares(k), floors_(k));
-    std::vector<bool> wasLeftOut(views_.count(), false);
-    do
-        solve();
-    while (exchangeView(wasLeftOut));
+    solve();
+    std::vector<bool> isDecided(views_.count(), false);
+    while (exchangeView(isDecided))
+        continue;
 }
 
 }} // namespace cv::active_handeye

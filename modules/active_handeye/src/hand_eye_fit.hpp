@@ -44,7 +44,10 @@ private:
     void solve();
     void linearize();
     double pValue(const HandEyeResidual& residual, int row, bool isUsed) const;
-    bool exchangeView(std::vector<bool>& wasLeftOut);
+    double limit() const;
+    void leaveOut(int view);
+    void takeIn(int view);
+    bool exchangeView(std::vector<bool>& isDecided);
 
     const HandEyeViews& views_;
     NoiseVariances variance_, floors_;
