@@ -97,15 +97,18 @@ def bound(views: PoseSet, camera: tuple[float, float], robot: tuple[float, float
 
 
 def error_of(views: PoseSet, R: Array, t: Array) -> Array:
-    """(6,): true R = exp(error) R, true t = t + error."""
+    """(6,): true R = exp(error) R, true t = t + error; infinite when R is left-handed, NaN when not finite."""
     if not (np.isfinite(R).all() and np.isfinite(t).all()):
         return np.full(6, np.nan)
+    if np.linalg.det(R) <= 0:
+        return np.full(6, np.inf)
     turn = Rotation.from_matrix(views.X[:3, :3] @ R.T).as_rotvec()
     return np.append(turn, views.X[:3, 3] - t.ravel())
 
 
 def answer(views: PoseSet, name: str, opencv: bool) -> Array | None:
     """Error of one method; None when it refuses."""
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)  # TSAI logs every failure
     call = cv2.calibrateHandEye if opencv else cah.calibrateHandEye
     try:
         R, t = call(*recorded(views), method=numbers_of(name))
@@ -169,7 +172,7 @@ def verdict(error: Array | None) -> str:
     if error is None:
         return "refused"
     if not np.isfinite(error).all():
-        return "NaN"
+        return "NaN" if np.isnan(error).any() else "left-handed"
     angle, distance = float(np.degrees(np.linalg.norm(error[:3]))), float(np.linalg.norm(error[3:]))
     return "right" if angle < 1e-3 and distance < 1e-3 else f"{angle:.2g} / {distance:.2g}"
 
@@ -178,7 +181,7 @@ def is_wrong(text: str) -> bool:
     """Whether a caller would go on with a wrong answer."""
     if text in ("refused", "right"):
         return False
-    return text == "NaN" or any(
+    return text in ("NaN", "left-handed") or any(
         value > limit for value, limit in zip(map(float, text.split(" / ")), (WRONG_DEG, WRONG_M), strict=True)
     )
 
