@@ -8,6 +8,7 @@
 #   make sanitize  C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
 #   make fuzz      detectStripe under the sanitizers, and what reads a robot's bytes, with random input, FUZZ_SECONDS (60) each
 #   make ur-sample the C++ sample for UR arms: builds ur_rtde from its source package, and runs the sample against the emulator
+#   make opencv4, make opencv5   the module inside OpenCV: builds it there, runs all of its tests (half an hour the first time)
 #   make setup     only what these have in common: system packages, virtual environment, build
 # Everything goes into .venv, build and out. A second run builds only what changed and fetches nothing.
 
@@ -29,7 +30,7 @@ CPP_FILES := $(shell find modules/active_handeye/include modules/active_handeye/
 
 UR_RTDE := ur_rtde-1.6.5
 
-.PHONY: setup demo test test-cpp test-python lint format stubs bench sanitize fuzz ur-sample clean distclean system-packages
+.PHONY: setup demo test test-cpp test-python lint format stubs bench sanitize fuzz ur-sample opencv4 opencv5 clean distclean system-packages
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.installed
@@ -118,6 +119,9 @@ ur-sample: build/ur_rtde/.installed
 	@cmake -S . -B build/ur_sample -DACTIVE_HANDEYE_BUILD_SAMPLES=ON -DCMAKE_PREFIX_PATH=$(CURDIR)/build/ur_rtde/install >/dev/null
 	@cmake --build build/ur_sample --target ur_live
 	$(BIN)/python -m pytest test/e2e/test_ur_sample.py
+
+opencv4 opencv5: opencv%: setup
+	$(BIN)/python scripts/opencv_in_tree.py $* $(IN_TREE_OPTIONS)
 
 clean:
 	rm -rf build out .mypy_cache .ruff_cache .pytest_cache $(VENV)/.installed
