@@ -85,7 +85,7 @@ class InTree:
         return self._gtest("performance tests", "opencv_perf_active_handeye", *once)
 
     def _gtest(self, what: str, program: str, *options: str) -> Line:
-        done = _run([self.build / "bin" / program, *options], self.build / f"{program}.log")
+        done = _run([str(self.build / "bin" / program), *options], self.build / f"{program}.log")
         passed = re.search(r"\[  PASSED  \] (\d+) tests?", done.stdout)
         failed = re.search(CPP_FAILED, done.stdout)
         count = int(passed[1]) if passed else 0
