@@ -94,7 +94,7 @@ class InTree:
     def python(self) -> Line:
         """The module's Python tests, as OpenCV would run them."""
         path = os.pathsep.join(map(str, [self.build / "lib" / "python3", self.source / "modules" / "python" / "test"]))
-        command = [sys.executable, MODULE / "misc" / "python" / "test" / "test_active_handeye.py"]
+        command = [sys.executable, str(MODULE / "misc" / "python" / "test" / "test_active_handeye.py")]
         done = _run(command, self.build / "python.log", PYTHONPATH=path)
         ran = re.search(PYTHON_RAN, done.stdout)
         return _tests("tests of cv2.active_handeye", done, int(ran[1]) if ran else 0, 0)
