@@ -35,7 +35,8 @@ LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxItera
         const double negligible = std::max(tolerance * summary.cost, problem.negligibleDecrease());
         if (!(cost < summary.cost))
         {
-            summary.converged = predictedDecrease <= std::max(negligible, rounding * summary.cost) || damping > maxDamping;
+            summary.converged =
+                predictedDecrease <= std::max(negligible, rounding * summary.cost) || damping > maxDamping;
             damping *= 10;
             continue;
         }

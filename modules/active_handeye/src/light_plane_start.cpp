@@ -130,7 +130,7 @@ class LightPlaneSearch
 {
 public:
     LightPlaneSearch(const Matrix3d& K, const std::vector<VanishingDirection>& directions,
-                const AlignedVector<Vector3d>& knownPoints, StripeSurfaces& surfaces)
+                     const AlignedVector<Vector3d>& knownPoints, StripeSurfaces& surfaces)
         : K_(K), directions_(directions), knownPoints_(knownPoints), surfaces_(surfaces), meanRay_(Vector3d::Zero()),
           bestCost_(std::numeric_limits<double>::infinity())
     {

@@ -165,7 +165,8 @@ std::vector<Observations> observe(const Pixels& pixels, const std::vector<int>& 
         geometry.gripper2base = robot[size_t(views[i])];
         if (ids[i] >= int(points.size()))
             points.resize(size_t(ids[i]) + 1);
-        points[size_t(ids[i])].push_back(StripeObservation{i, views[i], ReprojectedPoint(geometry, ray), pixelCovariances[i]});
+        points[size_t(ids[i])].push_back(StripeObservation{i, views[i], ReprojectedPoint(geometry, ray),
+                                                           pixelCovariances[i]});
     }
     if (!missed.empty())
         refuseMissed(missed, pixels);
