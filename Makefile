@@ -8,6 +8,7 @@
 #   make sanitize  C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
 #   make fuzz      detectStripe under the sanitizers, and what reads a robot's bytes, with random input, FUZZ_SECONDS (60) each
 #   make ur-sample the C++ sample for UR arms: builds ur_rtde from its source package, and runs the sample against the emulator
+#   make opencv4, make opencv5   the module inside OpenCV: builds it there, runs all of its tests (half an hour the first time)
 #   make wheel     the source package and a wheel for each of PYTHONS (python3 of .venv), tried in bare environments; in build/wheel
 #   make clang     the C++ tests built with clang++, warnings are errors
 #   make tidy      clang-tidy over the library and the bindings
@@ -33,7 +34,7 @@ CPP_FILES := $(shell find modules/active_handeye/include modules/active_handeye/
 
 UR_RTDE := ur_rtde-1.6.5
 
-.PHONY: setup demo test test-cpp test-python lint format stubs bench sanitize fuzz ur-sample wheel clang tidy clean distclean system-packages
+.PHONY: setup demo test test-cpp test-python lint format stubs bench sanitize fuzz ur-sample opencv4 opencv5 wheel clang tidy clean distclean system-packages
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.installed
@@ -136,6 +137,9 @@ clang: setup
 tidy: setup $(VENV)/.tidy
 	@cmake --preset tidy -Dpybind11_DIR="$$($(BIN)/python -m pybind11 --cmakedir)" >/dev/null
 	$(BIN)/run-clang-tidy.py -quiet -p build/tidy -j $(JOBS) 'modules/active_handeye/src/|python/bindings/'
+
+opencv4 opencv5: opencv%: setup
+	$(BIN)/python scripts/opencv_in_tree.py $* $(IN_TREE_OPTIONS)
 
 clean:
 	rm -rf build out .mypy_cache .ruff_cache .pytest_cache $(VENV)/.installed
