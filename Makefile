@@ -125,7 +125,7 @@ $(VENV)/.%: pyproject.toml scripts/requirements.py | setup
 	@touch $@
 
 wheel: setup $(VENV)/.wheel
-	$(BIN)/python scripts/wheel.py $(PYTHONS)
+	$(BIN)/python scripts/build_wheels.py $(PYTHONS)
 	$(BIN)/python -m benchmark.wheel --output build/wheel/report.json --write
 
 clang: setup

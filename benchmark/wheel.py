@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 active_handeye contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The wheels that scripts/wheel.py built: what is in them, and whether they work in bare environments and beside cv2.
+"""The wheels that scripts/build_wheels.py built: what is in them, and whether they work in bare environments and beside cv2.
 
 With --write the result goes into doc/release.md.
 """

@@ -48,7 +48,7 @@ def contents() -> dict[str, object]:
     """What the folder is to hold: versions, options, compiler and what it builds for."""
     return {
         "OpenCV": VERSIONS[4],
-        "options": OPTIONS,
+        "options": dict(OPTIONS),
         "Eigen": EIGEN,
         "compiler": _compiler(),
         "machine": platform.machine(),
