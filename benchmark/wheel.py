@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 active_handeye contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The wheels that scripts/build_wheels.py made: what is in them, and whether they work in bare environments, beside cv2 too.
+"""What is in the wheels that scripts/build_wheels.py made, and whether they work in bare environments and beside cv2.
 
 With --write the result goes into doc/release.md.
 """
