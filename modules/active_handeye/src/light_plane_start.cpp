@@ -8,6 +8,7 @@
 namespace cv { namespace active_handeye {
 
 using Eigen::Matrix3d;
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 
@@ -26,7 +27,7 @@ double offsetFromMotion(const Vector3d& n, const Vector3d& r, const StripeSurfac
             const StripeView& view = surface.views[i];
             const Vector3d p = along.cross(interpretationNormal(view));
             const double pn = p.dot(n), pq = p.dot(q), cn = view.displacement.dot(n), cq = view.displacement.dot(q);
-            const double scale = pass ? std::hypot(h(0) - cn * h(1) - cq * h(2), h(3)) : 1;
+            const double scale = pass ? Vector2d(h(0) - cn * h(1) - cq * h(2), h(3)).norm() : 1;
             const Vector4d row = Vector4d(pn, -pn * cn, -pn * cq, -pq) / std::max(scale, 1e-9);
             M += row * row.transpose();
         }
