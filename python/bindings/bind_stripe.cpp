@@ -28,6 +28,8 @@ Returns:
 Raises:
     error: an empty image, an unsupported type, a background of another shape or type, parameters out of range, a roi
         that is not inside the image.
+
+Source: doc/method/stripe.md.
 )doc";
 
 const char* const splitDoc = R"doc(Straight segments of a stripe, one per plane it crosses.
@@ -46,6 +48,8 @@ Returns:
 
 Raises:
     error: wrong input.
+
+Source: doc/method/stripe.md.
 )doc";
 
 const char* const associateDoc =
