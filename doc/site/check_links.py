@@ -14,8 +14,12 @@ from bs4 import BeautifulSoup
 def page(path: Path) -> tuple[set[str], list[str]]:
     """Anchors of a page, and where its links, pictures and styles lead."""
     soup = BeautifulSoup(path.read_bytes(), "html.parser")
-    anchors = {str(tag.get("id") or tag.get("name")) for tag in soup.find_all(lambda tag: tag.get("id") or tag.get("name"))}
-    return anchors, [str(tag.get("href") or tag.get("src")) for tag in soup.find_all(lambda t: t.get("href") or t.get("src"))]
+    anchors = {
+        str(tag.get("id") or tag.get("name")) for tag in soup.find_all(lambda tag: tag.get("id") or tag.get("name"))
+    }
+    return anchors, [
+        str(tag.get("href") or tag.get("src")) for tag in soup.find_all(lambda t: t.get("href") or t.get("src"))
+    ]
 
 
 def dead_links(folder: Path) -> list[str]:

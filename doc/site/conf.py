@@ -14,7 +14,8 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(Path(__file__).parent))
 
 project = "active_handeye"
-author = copyright = "active_handeye contributors"
+author = "active_handeye contributors"
+project_copyright = author
 version = release = cv_active_handeye.__version__
 language = "en"
 
@@ -46,7 +47,10 @@ autodoc_typehints = "signature"
 napoleon_custom_sections = [("Returns", "params_style")]
 nitpick_ignore_regex = [
     ("py:class", ".*"),  # annotations: names of numpy, pydantic and pathlib, and our own that no page shows
-    ("cpp:identifier", r"cv|std|cv::Exception|std::.*|noArray|Mat|Rect|Size|(Input|Output|InputOutput)Array(OfArrays)?"),
+    (
+        "cpp:identifier",
+        r"cv|std|cv::Exception|std::.*|noArray|Mat|Rect|Size|(Input|Output|InputOutput)Array(OfArrays)?",
+    ),
     ("cpp:identifier", r"(Plan|Refine|Stripe|Verify)(Params|Summary)"),  # in the scope of cv::active_handeye
 ]
 

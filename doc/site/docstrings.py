@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 active_handeye contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Docstrings are plain text in Google's style, to be read in a terminal: signs of reStructuredText in them mean themselves."""
+"""Docstrings are plain text in Google's style for a terminal: signs of reStructuredText in them mean themselves."""
 
 import re
 from typing import Any

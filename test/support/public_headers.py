@@ -17,6 +17,7 @@ class Function(NamedTuple):
     name: str
     result: str
     comment: str
+    signature: str
     arguments: list[str]
     """Names of the arguments."""
 
@@ -42,14 +43,18 @@ def functions() -> list[Function]:
         for comment, result, name, arguments in pattern.findall(text(header)):
             plain = re.sub(r" = (?:[^,()]|\([^()]*\))+", "", arguments)
             names = [re.findall(r"\w+", argument)[-1] for argument in plain.split(",")]
-            found.append(Function(header.stem, name, result, comment, names))
+            found.append(Function(header.stem, name, result, comment, arguments, names))
     return found
 
 
 def groups() -> list[Member]:
     """All enumerations and structures with their own comments."""
     pattern = re.compile(r"((?:^//!.*\n)*)^(?:enum|struct CV_EXPORTS_W_SIMPLE) (\w+)\n", re.MULTILINE)
-    return [Member(header.stem, name, name, comment) for header in HEADERS for comment, name in pattern.findall(text(header))]
+    return [
+        Member(header.stem, name, name, comment)
+        for header in HEADERS
+        for comment, name in pattern.findall(text(header))
+    ]
 
 
 def members() -> list[Member]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import importlib.util
 import io
+import itertools
 import json
 import os
 import re
@@ -24,7 +25,7 @@ import numpy as np
 import pytest
 import yaml
 from support import code_blocks
-from support.code_blocks import ROOT, Block, Command
+from support.code_blocks import ROOT, Block
 from support.command_line import run
 from support.exact_recording import exact_recording
 from support.groove_recording import groove_dataset
@@ -97,9 +98,13 @@ def understand_python(words: list[str]) -> None:
 
 
 def understand_cmake(words: list[str]) -> None:
-    files = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "CMakeLists.txt", ROOT / "samples/cpp/CMakeLists.txt"))
-    presets = {preset["name"] for preset in json.loads((ROOT / "CMakePresets.json").read_text("utf-8"))["configurePresets"]}
-    for before, word in zip(words, words[1:], strict=False):
+    files = "".join(
+        path.read_text(encoding="utf-8") for path in (ROOT / "CMakeLists.txt", ROOT / "samples/cpp/CMakeLists.txt")
+    )
+    presets = {
+        preset["name"] for preset in json.loads((ROOT / "CMakePresets.json").read_text("utf-8"))["configurePresets"]
+    }
+    for before, word in itertools.pairwise(words):
         option = re.fullmatch(r"-D(ACTIVE_HANDEYE_\w+)=\w+", word)
         assert not option or option[1] in files
         assert before != "--preset" or word in presets
@@ -159,7 +164,7 @@ def test_misspelt_commands_are_not_understood() -> None:
         "frobnicate",
     ):
         (command,) = code_blocks.commands(Block("", 1, "sh", "", line))
-        with pytest.raises((AssertionError, Exception)) as caught:  # noqa: PT011
+        with pytest.raises((AssertionError, Exception)) as caught:
             understand(command.words)
         assert not isinstance(caught.value, (NameError, AttributeError, KeyError)), line
 
@@ -191,7 +196,7 @@ EXECUTED: dict[str, tuple[Callable[[], None], set[str]]] = {
     "README.md": (data_of_the_readme, {"calibrate", "verify", "scan", "seam", "--help"}),
     "doc/tutorials/first_calibration.md": (data_of_the_tutorial, {"verify", "export"}),
 }
-"""What is prepared for a page, and the commands of it that are executed; the others need a robot, a board or minutes."""
+"""What is prepared for a page, and which of its commands are executed; others need a robot, a board or minutes."""
 
 
 @pytest.mark.parametrize("page", list(EXECUTED))
@@ -220,7 +225,9 @@ def test_newcomer_types_the_first_page_in_an_empty_folder(tmp_path: Path) -> Non
             done = subprocess.run([program, *command.words[1:]], cwd=tmp_path, capture_output=True, text=True)
             assert done.returncode == command.status, f"{command.words}\n{done.stdout}{done.stderr}"
             if command.words[1] == "demo":
-                assert all(block.text.strip() in " ".join(done.stdout.split()) for block in page if block.kind == "text")
+                assert all(
+                    block.text.strip() in " ".join(done.stdout.split()) for block in page if block.kind == "text"
+                )
     files = re.findall(r"^\| `(\w[\w./]*)`(?:, `([\w.]+)`)*", (ROOT / "doc/start.md").read_text("utf-8"), re.MULTILINE)
     assert all((tmp_path / "out/demo" / name).exists() for names in files for name in names if name)
     assert Calibration.load(tmp_path / "out/calibration.yaml").verdict
@@ -244,7 +251,9 @@ PYTHON_PAGES = sorted({block.page for block in code_blocks.blocks("python")})
 
 
 @pytest.mark.parametrize("page", PYTHON_PAGES)
-def test_python_blocks_of_the_page_run_in_their_order(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_python_blocks_of_the_page_run_in_their_order(
+    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     Path("out").mkdir()
     calibration_of_truth().save("out/calibration.yaml")

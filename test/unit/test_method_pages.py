@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 active_handeye contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The pages of the method beside the code: a page for every header, the paper's equations by the same numbers, the tables' numbers."""
+"""The pages of the method beside the code: one for every header, equations and figures by the same numbers."""
 
 from __future__ import annotations
 
@@ -72,7 +72,9 @@ def test_equation_of_the_paper_has_the_number_of_the_page(path: Path) -> None:
 def test_page_cites_tests_and_benchmarks_that_exist(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
     named = re.findall(r"`((?:benchmark|test|python|modules|samples)/[\w/]+\.\w+)", text)
-    named += [f"benchmark/{name}.py" for line in re.findall(r"`python -m benchmark ([\w ]+)`", text) for name in line.split()]
+    named += [
+        f"benchmark/{name}.py" for line in re.findall(r"`python -m benchmark ([\w ]+)`", text) for name in line.split()
+    ]
     assert [name for name in named if not (ROOT / name).exists()] == []
 
 
