@@ -7,6 +7,7 @@
 #   make bench     the benchmarks behind the tables of the README
 #   make sanitize  C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
 #   make fuzz      detectStripe under the sanitizers, and what reads a robot's bytes, with random input, FUZZ_SECONDS (60) each
+#   make docs      the site of the documentation in build/docs; warnings and dead links are errors
 #   make ur-sample the C++ sample for UR arms: builds ur_rtde from its source package, and runs the sample against the emulator
 #   make opencv4, make opencv5   the module inside OpenCV: builds it there, runs all of its tests (half an hour the first time)
 #   make wheel     the source package and a wheel for each of PYTHONS (python3 of .venv), tried in bare environments; in build/wheel
@@ -34,7 +35,8 @@ CPP_FILES := $(shell find modules/active_handeye/include modules/active_handeye/
 
 UR_RTDE := ur_rtde-1.6.5
 
-.PHONY: setup demo test test-cpp test-python lint format stubs bench sanitize fuzz ur-sample opencv4 opencv5 wheel clang tidy clean distclean system-packages
+.PHONY: setup demo test test-cpp test-python lint format stubs bench sanitize fuzz docs ur-sample opencv4 opencv5 wheel clang tidy \
+  clean distclean system-packages
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.installed
@@ -103,6 +105,18 @@ fuzz: setup $(VENV)/.fuzz
 	@cmake --build build/asan-ubsan --target active_handeye_fuzz_detect_stripe
 	cd build/asan-ubsan && bin/active_handeye_fuzz_detect_stripe -max_total_time=$(FUZZ_SECONDS)
 	for target in fuzz/fuzz_*.py; do $(BIN)/python $$target -max_total_time=$(FUZZ_SECONDS) -verbosity=0 || exit 1; done
+
+$(VENV)/.docs: pyproject.toml | setup
+	@scripts/system-packages $(PYTHON) docs
+	@$(BIN)/python scripts/requirements.py docs >$@.txt
+	@$(BIN)/python -m pip install --quiet --requirement $@.txt
+	@touch $@
+
+docs: setup $(VENV)/.docs
+	@mkdir -p build/doxygen
+	doxygen doc/site/Doxyfile
+	$(BIN)/python -m sphinx -W --keep-going -n -q -j $(JOBS) -c doc/site . build/docs
+	$(BIN)/python doc/site/check_links.py build/docs
 
 build/ur_rtde/.installed: | setup
 	@scripts/system-packages $(PYTHON) ur-sample
