@@ -139,9 +139,10 @@ def _options() -> list[str]:
     values = {
         "CMAKE_BUILD_TYPE": "Release",
         "OPENCV_EXTRA_MODULES_PATH": MODULE.parent,
-        "BUILD_LIST": "core,imgproc,calib3d,geometry,active_handeye,python3,ts",
+        "BUILD_LIST": "core,imgproc,active_handeye,python3,ts",
         "ACTIVE_HANDEYE_WERROR": "ON",
         "BUILD_ZLIB": "ON",
+        "CPU_DISPATCH": "",
         "BUILD_TESTS": "ON",
         "BUILD_PERF_TESTS": "ON",
         "ENABLE_CCACHE": "OFF",

@@ -4,13 +4,19 @@
 
 from __future__ import annotations
 
+import os
+import pickle
+import subprocess
+import sys
 from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from support.exact_recording import Recording, exact_recording
+from support.exact_recording import Recording
 
 Array = NDArray[np.float64]
 NOTHING: Mapping[str, Any] = MappingProxyType({})
@@ -29,6 +35,17 @@ class Params(NamedTuple):
 
     name: str
     fields: Mapping[str, Any] = NOTHING
+
+
+@cache
+def recording() -> Recording:
+    """The exact recording. Another process makes it, with the cv2 of the environment: the one under test is too small."""
+    program = "import pickle, sys; from support.exact_recording import exact_recording as r; "
+    program += "sys.stdout.buffer.write(pickle.dumps(r()))"
+    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])}
+    done = subprocess.run([sys.executable, "-c", program], env=environment, stdout=subprocess.PIPE, check=True)
+    result: Recording = pickle.loads(done.stdout)
+    return result
 
 
 def noisy(points: Array, sigma: float = 0.1) -> Array:
@@ -118,5 +135,5 @@ def calibration_calls(r: Recording) -> dict[str, Call]:
 
 def calls() -> dict[str, Call]:
     """All of them."""
-    r = exact_recording()
+    r = recording()
     return calibration_calls(r) | stripe_calls(r)

@@ -5,14 +5,13 @@
 from __future__ import annotations
 
 import numpy as np
-from parity.calls import Call, Params, calls, image, poses
-from support.exact_recording import exact_recording
+from parity.calls import Call, Params, calls, image, poses, recording
 
 NO_SUCH = 99
 
 
 def _refused_inputs() -> dict[str, Call]:
-    r = exact_recording()
+    r = recording()
     R, t = poses(r)
     points, camera = list(r.imagePoints), (r.cameraMatrix, r.distCoeffs)
     three = np.zeros((5, 3))
@@ -53,7 +52,7 @@ def _refused_inputs() -> dict[str, Call]:
 
 
 def _no_answer() -> dict[str, Call]:
-    r = exact_recording()
+    r = recording()
     R, t = poses(r)
     points, camera = list(r.imagePoints), (r.cameraMatrix, r.distCoeffs)
     still = ([R[0]] * 5, [t[0]] * 5, [points[0]] * 5)
