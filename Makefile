@@ -4,6 +4,7 @@
 #   make demo      calibrate a simulated robot cell from its images; results in out/demo
 #   make test      C++ and Python tests
 #   make lint      formatting, ruff, mypy, generated stubs
+#   make gallery   the pictures of doc/gallery.md
 #   make bench     the benchmarks behind the tables of the README
 #   make sanitize  C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
 #   make fuzz      detectStripe under the sanitizers, and what reads a robot's bytes, with random input, FUZZ_SECONDS (60) each
@@ -35,7 +36,7 @@ CPP_FILES := $(shell find modules/active_handeye/include modules/active_handeye/
 
 UR_RTDE := ur_rtde-1.6.5
 
-.PHONY: setup demo test test-cpp test-python lint format stubs bench sanitize fuzz docs ur-sample opencv4 opencv5 wheel clang tidy \
+.PHONY: setup demo test test-cpp test-python lint format stubs bench sanitize fuzz docs gallery ur-sample opencv4 opencv5 wheel clang tidy \
   clean distclean system-packages
 .DELETE_ON_ERROR:
 
@@ -90,6 +91,11 @@ stubs: setup
 bench: setup
 	-@scripts/system-packages $(PYTHON) bench
 	$(BIN)/python -m benchmark --write
+
+gallery: setup
+	$(BIN)/python samples/python/08_gallery.py out/gallery
+	@mkdir -p doc/pictures/gallery
+	$(BIN)/python -c "import cv2, pathlib; [cv2.imwrite(f'doc/pictures/gallery/{p.stem}.jpg', cv2.imread(str(p))) for p in pathlib.Path('out/gallery').glob('*.png')]"
 
 sanitize: setup
 	@cmake --preset asan-ubsan >/dev/null

@@ -126,7 +126,8 @@ def draw_stops(path, robot="ur5e"):
     """RMSE of t_cam2gripper over stops and over motor time."""
     rows = accuracy_rows(robot)
     figure = Figure(figsize=(10, 4.8), layout="constrained")
-    for axes, column, label in zip(figure.subplots(1, 2, sharey=True), (0, 3), ("stops", "motor time [s]"), strict=True):
+    columns = (0, "stops"), (3, "motor time [s]")
+    for axes, (column, label) in zip(figure.subplots(1, 2, sharey=True), columns, strict=True):
         for colour, way in zip(GROUP_COLOURS, dict.fromkeys(row[1] for row in rows), strict=False):
             line = sorted((row[column], row[2]) for row in rows if row[1] == way)
             axes.plot(*np.array(line).T, "o-", color=colour, label=way)

@@ -39,7 +39,7 @@ class Params(NamedTuple):
 
 @cache
 def recording() -> Recording:
-    """The exact recording. Another process makes it, with the cv2 of the environment: the one under test is too small."""
+    """The exact recording, made in another process with the cv2 of the environment: the one under test is too small."""
     program = "import pickle, sys; from support.exact_recording import exact_recording as r; "
     program += "sys.stdout.buffer.write(pickle.dumps(r()))"
     environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])}
@@ -133,7 +133,33 @@ def calibration_calls(r: Recording) -> dict[str, Call]:
     }
 
 
+def target_poses(r: Recording) -> tuple[list[Array], list[Array]]:
+    """R_target2cam, t_target2cam of a board, t with noise of 0.1 mm."""
+    cam2base = r.R_gripper2base @ r.R_cam2gripper
+    centres = r.R_gripper2base @ r.t_cam2gripper + r.t_gripper2base
+    board = np.array([0.4, 0.1, 0.0])
+    positions = noisy(np.einsum("vji,vj->vi", cam2base, board - centres), 1e-4)
+    return [R.T.copy() for R in cam2base], list(positions)
+
+
+def hand_eye_calls(r: Recording) -> dict[str, Call]:
+    """From poses of a target."""
+    poses_of_both = (*poses(r), *target_poses(r))
+    names = ("Tsai", "Park", "Horaud", "Andreff", "Daniilidis", "refined")
+    methods = {
+        f"hand-eye by {name}": Call("calibrateHandEye", poses_of_both, {"method": number})
+        for number, name in enumerate(names)
+    }
+    known = {"targetRotationSigma": 1e-4, "targetTranslationSigma": 1e-4, "robotRotationSigma": 1e-5}
+    given = {"params": Params("HandEyeParams", known)}
+    return methods | {
+        "hand-eye": Call("calibrateHandEye", poses_of_both),
+        "hand-eye, extended": Call("calibrateHandEyeExtended", poses_of_both),
+        "hand-eye, known noise": Call("calibrateHandEyeExtended", poses_of_both, given),
+    }
+
+
 def calls() -> dict[str, Call]:
     """All of them."""
     r = recording()
-    return calibration_calls(r) | stripe_calls(r)
+    return hand_eye_calls(r) | calibration_calls(r) | stripe_calls(r)

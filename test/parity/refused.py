@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import numpy as np
-from parity.calls import Call, Params, calls, image, poses, recording
+from parity.calls import Call, Params, calls, image, poses, recording, target_poses
 
 NO_SUCH = 99
 
@@ -20,6 +20,7 @@ def _refused_inputs() -> dict[str, Call]:
     flat = np.diag([1000.0, 1000.0, 0.0])
     line = np.column_stack([np.arange(200.0), np.full(200, 100.0)])
     half = {"R_cam2gripper": r.R_cam2gripper}
+    board = target_poses(r)
     wide = Params("StripeParams", {"roi": (0, 0, 1000, 1000)})
     return {
         "points of three columns": Call("estimateFOE", (three, three)),
@@ -39,6 +40,9 @@ def _refused_inputs() -> dict[str, Call]:
         "image too small": Call("detectStripe", (image(),), {"params": wide}),
         "background of another size": Call("detectStripe", (image(),), {"background": image()[:-1]}),
         "sigmas too few": Call("splitStripe", (line, np.full(9, 0.1), *camera)),
+        "unknown hand-eye method": Call("calibrateHandEye", (R, t, *board), {"method": NO_SUCH}),
+        "two poses of the target": Call("calibrateHandEye", (R, t, board[0][:2], board[1][:2])),
+        "inverted poses": Call("calibrateHandEye", (R, t, [T.T.copy() for T in board[0]], board[1])),
         "no light plane": Call("reprojectStripe", (line, *camera, np.zeros(4))),
         "half of a transform": Call("reprojectStripe", (line, *camera, r.lightPlane), half),
         "stripes without views": Call("refineHandEye", (R, t, points, *(None,) * 5), {"stripePoints": r.stripePoints}),
@@ -60,6 +64,7 @@ def _no_answer() -> dict[str, Call]:
     beside = np.array([1.0, 0.0, 0.0, 0.1])
     return {
         "one match": Call("estimateFOE", (points[0][:1], points[1][:1])),
+        "hand-eye without turns": Call("calibrateHandEye", (R[:5], t[:5], *(poses[:5] for poses in target_poses(r)))),
         "no motion in the image": Call("estimateFOE", (points[0], points[0])),
         "no motion": Call("calibrateHandEyeTranslations", (*still, None, None)),
         "orientation never changed": Call("calibrateHandEyeRotation", (*same, *camera, r.R_cam2gripper)),

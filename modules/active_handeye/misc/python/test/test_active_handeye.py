@@ -95,6 +95,25 @@ class active_handeye_test(NewOpenCVTests):
         self.assertLess(rms, 1e-5)
         self.assertLess(np.abs(t - T_CAM2GRIPPER).max(), 1e-4)
 
+    def test_calibrateHandEye_recovers_an_exact_transform_by_every_method(self):
+        s = self.scene
+        cam2base = [R.dot(R_CAM2GRIPPER) for R in s.R]
+        R_target2cam = [R.T.copy() for R in cam2base]
+        t_target2cam = [R.T.dot(np.array([[400.], [0], [0]]) - G.dot(T_CAM2GRIPPER) - t)
+                        for R, G, t in zip(cam2base, s.R, s.t)]
+        for method in range(cv.active_handeye.CALIB_HAND_EYE_REFINED + 1):
+            R, t = cv.active_handeye.calibrateHandEye(s.R, s.t, R_target2cam, t_target2cam, method=method)
+            self.assertLess(degrees_between(R, R_CAM2GRIPPER), 1e-6, method)
+            self.assertLess(np.abs(t - T_CAM2GRIPPER).max(), 1e-5, method)
+
+    def test_calibrateHandEye_refuses_pure_translations(self):
+        s = self.scene
+        poses = s.R[:5], s.t[:5], s.R[:5], s.t[:5]
+        for method in range(cv.active_handeye.CALIB_HAND_EYE_REFINED + 1):
+            with self.assertRaises(cv.error) as caught:
+                cv.active_handeye.calibrateHandEye(*poses, method=method)
+            self.assertEqual(caught.exception.code, cv.Error.StsNoConv)
+
     def test_calibrateLightPlane_recovers_an_exact_scene(self):
         s = self.scene
         rms, plane, covariance = cv.active_handeye.calibrateLightPlane(
