@@ -80,7 +80,7 @@ BAD_SETS: dict[str, Callable[[np.random.Generator], PoseSet]] = {
     "one rotation off by 98 deg": lambda rng: _changed(rng, lambda G, C: (G, _turned(C))),
     "two views swapped": lambda rng: _changed(rng, lambda G, C: (G, C[[0, 1, 5, 3, 4, 2, 6, 7, 8, 9]])),
     "images one pose late": lambda rng: _changed(rng, lambda G, C: (G, np.roll(C, 1, axis=0))),
-    "robot's poses inverted": lambda rng: _changed(rng, lambda G, C: (np.linalg.inv(G), C)),
+    "robot's poses inverted": lambda rng: _changed(rng, lambda G, C: (_inverted(G), C)),
     "robot in mm, camera in m": lambda rng: _changed(rng, lambda G, C: (_scaled(G, 1000), C)),
     "translations 1 x 3": lambda rng: replace(views_of(rng, 10, (5, 45)), t_shape=(1, 3)),
 }
@@ -95,6 +95,10 @@ def _at(C: Array, view: int, shift: float) -> Array:
 def _scaled(G: Array, factor: float) -> Array:
     G[:, :3, 3] *= factor
     return G
+
+
+def _inverted(G: Array) -> Array:
+    return np.asarray(np.linalg.inv(G), dtype=np.float64)
 
 
 def _with_camera_turned(views: PoseSet) -> PoseSet:

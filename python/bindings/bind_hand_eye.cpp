@@ -115,8 +115,9 @@ py::array_t<double> output(const OptionalArrayLike& given, const cv::Mat& result
     const bool fits = py::isinstance<py::array_t<double>>(given) && given.attr("shape").equal(values.attr("shape"));
     if (!fits || !py::reinterpret_borrow<py::array>(given).writeable())
         CV_Error(cv::Error::StsBadArg, name + ": is an output; needed None or a writable array of float64 of shape " +
-                                           std::string(py::str(values.attr("shape"))) + ", given " +
-                                           std::string(py::repr(given)) + "; give method by keyword");
+                                           std::string(py::str(values.attr("shape"))) + ", given a value of type " +
+                                           std::string(py::str(py::type::of(given).attr("__name__"))) +
+                                           "; give method by keyword");
     given[py::ellipsis()] = values;
     return py::reinterpret_borrow<py::array_t<double>>(given);
 }

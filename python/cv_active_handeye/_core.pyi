@@ -9,8 +9,16 @@ import numpy.typing
 import typing
 
 __all__: list[str] = [
+    "CALIB_HAND_EYE_ANDREFF",
+    "CALIB_HAND_EYE_DANIILIDIS",
+    "CALIB_HAND_EYE_HORAUD",
+    "CALIB_HAND_EYE_PARK",
+    "CALIB_HAND_EYE_REFINED",
+    "CALIB_HAND_EYE_TSAI",
     "FOE_LEAST_SQUARES",
     "FOE_RANSAC",
+    "HandEyeParams",
+    "HandEyeSummary",
     "LENS_AUTO",
     "LENS_FIXED",
     "LENS_K1",
@@ -39,6 +47,8 @@ __all__: list[str] = [
     "VerifyParams",
     "VerifySummary",
     "associateStripes",
+    "calibrateHandEye",
+    "calibrateHandEyeExtended",
     "calibrateHandEyeRotation",
     "calibrateHandEyeTranslations",
     "calibrateLightPlane",
@@ -305,6 +315,95 @@ class RefineSummary:
     @property
     def workingDistance(self) -> float: ...
 
+class HandEyeParams:
+    """
+    Noise levels of calibrateHandEyeExtended: 0 = exact, negative = estimated.
+
+    Attributes:
+        targetRotationSigma: standard deviation of a component of the rotation vector of R_target2cam, rad; default estimated.
+        targetTranslationSigma: of a component of t_target2cam; default estimated. The noise of t_gripper2base has the same
+            effect: one of the two has to be given.
+        robotRotationSigma: of a component of the rotation vector of R_gripper2base, rad; default estimated.
+        robotTranslationSigma: of a component of t_gripper2base; default 0: targetTranslationSigma covers both.
+    """
+    def __init__(self) -> None: ...
+    @property
+    def robotRotationSigma(self) -> float: ...
+    @robotRotationSigma.setter
+    def robotRotationSigma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def robotTranslationSigma(self) -> float: ...
+    @robotTranslationSigma.setter
+    def robotTranslationSigma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def targetRotationSigma(self) -> float: ...
+    @targetRotationSigma.setter
+    def targetRotationSigma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    @property
+    def targetTranslationSigma(self) -> float: ...
+    @targetTranslationSigma.setter
+    def targetTranslationSigma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
+class HandEyeSummary:
+    """
+    What calibrateHandEyeExtended found out besides the transform.
+
+    Lengths in the unit of the translations, angles in rad.
+
+    Attributes:
+        usable: whether the result may be used; message says why (not).
+        message: the verdict in a sentence.
+        iterations: of all least-squares solutions together.
+        covariance: (6, 6) of rx, ry, rz, tx, ty, tz; the first three are the rotation error vector in the gripper frame, true
+            R = exp(error) R_cam2gripper.
+        standardDeviations: (6, 1).
+        degreesOfFreedom: (6, 1) of Student's t for the intervals.
+        intervals95: (6, 2) lower and upper end; the rotation error vector is around 0.
+        noiseLevels: (4, 4), rows targetRotation, targetTranslation, robotRotation, robotTranslation: level, its 95 % interval
+            (lower, upper), 1 when it was estimated.
+        chiSquare, chiSquareDof, chiSquarePValue: test of the residuals; NaN unless all noise levels were given.
+        R_target2base: (3, 3).
+        t_target2base: (3, 1).
+        residuals: (V, 6) rotation vector and translation of the target in the camera frame, predicted - given.
+        viewPValues: (V, 2) p-values of the orientation and the position of each view against the others.
+        rejectedViews: views that contradict the others and were left out.
+        culprits: what was left out, and why, one sentence each.
+    """
+    @property
+    def R_target2base(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def chiSquare(self) -> float: ...
+    @property
+    def chiSquareDof(self) -> float: ...
+    @property
+    def chiSquarePValue(self) -> float: ...
+    @property
+    def covariance(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def culprits(self) -> list[str]: ...
+    @property
+    def degreesOfFreedom(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def intervals95(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def iterations(self) -> int: ...
+    @property
+    def message(self) -> str: ...
+    @property
+    def noiseLevels(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def rejectedViews(self) -> list[int]: ...
+    @property
+    def residuals(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def standardDeviations(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def t_target2base(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def usable(self) -> bool: ...
+    @property
+    def viewPValues(self) -> numpy.typing.NDArray[numpy.float64]: ...
+
 class VerifyParams:
     """
     Noise levels that verifyHandEye takes as known.
@@ -453,6 +552,80 @@ def associateStripes(
             agrees with a third of these.
 
     Source: doc/method/light_plane.md.
+    """
+
+def calibrateHandEye(
+    R_gripper2base: numpy.typing.ArrayLike,
+    t_gripper2base: numpy.typing.ArrayLike,
+    R_target2cam: numpy.typing.ArrayLike,
+    t_target2cam: numpy.typing.ArrayLike,
+    R_cam2gripper: numpy.typing.ArrayLike | None = None,
+    t_cam2gripper: numpy.typing.ArrayLike | None = None,
+    method: typing.SupportsInt | typing.SupportsIndex = 0,
+) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+    """
+    Hand-eye transform from poses of the robot and poses of a target, as cv2.calibrateHandEye, but checked.
+
+    Names, order and default are those of OpenCV. On exact data all methods give the same; on noisy data the first five give
+    what OpenCV's methods of the same name do. Motions that do not determine the result, and poses that contradict each other,
+    are refused by every method. For a camera that is fixed beside the robot (eye-to-hand) pass the inverted robot poses;
+    the result is camera to base.
+
+    Args:
+        R_gripper2base: V >= 3 rotations of the gripper in the robot's base frame, (3, 3) or rotation vectors.
+        t_gripper2base: V translations of 3 numbers, (3,), (3, 1) or (1, 3), any unit of length.
+        R_target2cam: V rotations from the target to the camera, (3, 3) or rotation vectors.
+        t_target2cam: V translations, in the unit of t_gripper2base.
+        R_cam2gripper: output, as in OpenCV: None, or a (3, 3) array of float64 that is filled.
+        t_cam2gripper: output, as in OpenCV: None, or a (3, 1) array of float64 that is filled.
+        method: CALIB_HAND_EYE_TSAI, _PARK, _HORAUD, _ANDREFF, _DANIILIDIS (the numbers of OpenCV, 0 to 4), or
+            CALIB_HAND_EYE_REFINED (5): maximum likelihood, views that contradict the others left out.
+
+    Returns:
+        R_cam2gripper: (3, 3) rotation of the camera in the gripper frame.
+        t_cam2gripper: (3, 1) position of the camera in the gripper frame.
+
+    Raises:
+        error: wrong input (StsBadArg, StsBadSize, StsOutOfRange): numbers that are not finite, no rotation, lists of different
+            lengths, an unknown method, two units of length; StsNoConv when the poses do not determine the result: no turn, all axes
+            parallel (the axis is named), turns too small or too large for CALIB_HAND_EYE_TSAI, poses that contradict each other
+            (it is said when they would agree inverted).
+
+    Source: doc/method/hand_eye.md.
+    """
+
+def calibrateHandEyeExtended(
+    R_gripper2base: numpy.typing.ArrayLike,
+    t_gripper2base: numpy.typing.ArrayLike,
+    R_target2cam: numpy.typing.ArrayLike,
+    t_target2cam: numpy.typing.ArrayLike,
+    *,
+    params: HandEyeParams = ...,
+) -> tuple[float, numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], HandEyeSummary]:
+    """
+    As calibrateHandEye with CALIB_HAND_EYE_REFINED, with covariance, noise levels and residuals.
+
+    Maximum likelihood of the hand-eye transform and the pose of the target in the base for Gaussian errors of the poses of
+    camera and robot, whose levels are estimated by restricted maximum likelihood. Views that contradict the others are left
+    out and named. The result does not depend on the unit of length.
+
+    Args:
+        R_gripper2base: V >= 3 rotations of the gripper in the robot's base frame, (3, 3) or rotation vectors.
+        t_gripper2base: V translations of 3 numbers, any unit of length.
+        R_target2cam: V rotations from the target to the camera, (3, 3) or rotation vectors.
+        t_target2cam: V translations, in the unit of t_gripper2base.
+        params: noise levels.
+
+    Returns:
+        retval: standard deviation of t_cam2gripper: root of the sum of the three variances.
+        R_cam2gripper: (3, 3) rotation of the camera in the gripper frame.
+        t_cam2gripper: (3, 1) position of the camera in the gripper frame.
+        summary: covariance, intervals, noise levels, residuals, views left out.
+
+    Raises:
+        error: as calibrateHandEye; StsNoConv also when the noise leaves the result open (the direction is named).
+
+    Source: doc/method/hand_eye.md.
     """
 
 def calibrateHandEyeRotation(
@@ -1105,6 +1278,12 @@ def verifyHandEye(
     Source: doc/method/verify.md.
     """
 
+CALIB_HAND_EYE_ANDREFF: int = 3
+CALIB_HAND_EYE_DANIILIDIS: int = 4
+CALIB_HAND_EYE_HORAUD: int = 2
+CALIB_HAND_EYE_PARK: int = 1
+CALIB_HAND_EYE_REFINED: int = 5
+CALIB_HAND_EYE_TSAI: int = 0
 FOE_LEAST_SQUARES: int = 0
 FOE_RANSAC: int = 1
 LENS_AUTO: int = -1

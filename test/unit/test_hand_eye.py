@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import cv2
 import numpy as np
@@ -39,6 +40,17 @@ class Poses:
         """As calibrateHandEye takes them."""
         G, C = self.gripper2base, self.target2cam
         return G[:, :3, :3], G[:, :3, 3], C[:, :3, :3], C[:, :3, 3]
+
+    @property
+    def lists(self) -> tuple[list[Array], list[Array], list[Array], list[Array]]:
+        """As cv2's stubs want them."""
+        R, t, R_target, t_target = self.arguments
+        return list(R), list(t), list(R_target), list(t_target)
+
+
+def calibrate(arguments: Sequence[Any], method: int) -> tuple[Array, Array]:
+    R, t, R_target, t_target = arguments
+    return cah.calibrateHandEye(R, t, R_target, t_target, method=method)
 
 
 def pose(rotation: Array, translation: Array) -> Array:
@@ -75,9 +87,9 @@ def method_of(name: str) -> int:
 def test_closed_forms_are_those_of_opencv(name: str, camera: tuple[float, float], robot: tuple[float, float]) -> None:
     assert method_of(name) == getattr(cv2, f"CALIB_HAND_EYE_{name}")
     for seed in range(20):
-        arguments = random_poses(seed, 8, camera, robot).arguments
-        R, t = cah.calibrateHandEye(*arguments, method=method_of(name))
-        R_cv2, t_cv2 = cv2.calibrateHandEye(*arguments, method=method_of(name))
+        poses = random_poses(seed, 8, camera, robot)
+        R, t = calibrate(poses.arguments, method_of(name))
+        R_cv2, t_cv2 = cv2.calibrateHandEye(*poses.lists, method=method_of(name))
         np.testing.assert_allclose(R, R_cv2, atol=1e-9)
         np.testing.assert_allclose(t, t_cv2, atol=1e-9)
 
@@ -132,7 +144,7 @@ def test_every_layout_gives_the_same(layout: str, method: int) -> None:
     R, t = cah.calibrateHandEye(*arguments, method=method)
     assert R.shape == (3, 3)
     assert t.shape == (3, 1)
-    again = cah.calibrateHandEye(*[LAYOUTS[layout](a) for a in arguments], method=method)  # type: ignore[arg-type]
+    again = calibrate([LAYOUTS[layout](a) for a in arguments], method)
     np.testing.assert_allclose(again[0], R, atol=1e-12)
     np.testing.assert_allclose(again[1], t, atol=1e-11)
 
@@ -140,7 +152,7 @@ def test_every_layout_gives_the_same(layout: str, method: int) -> None:
 @pytest.mark.parametrize("method", range(6))
 def test_float32_is_read(method: int) -> None:
     poses = random_poses(3)
-    R, t = cah.calibrateHandEye(*[a.astype(np.float32) for a in poses.arguments], method=method)
+    R, t = calibrate([a.astype(np.float32) for a in poses.arguments], method)
     np.testing.assert_allclose(R, poses.cam2gripper[:3, :3], atol=1e-5)
     np.testing.assert_allclose(t, poses.cam2gripper[:3, 3:], atol=1e-5)
 
@@ -166,7 +178,8 @@ def scipy_solution(poses: Poses, sigmas: tuple[float, float, float, float]) -> t
         return np.concatenate(parts)
 
     found = least_squares(residuals, np.zeros(12 + 6 * views), x_scale="jac", xtol=1e-14, ftol=1e-14, gtol=1e-14)
-    return moved(start, found.x[:6]), np.linalg.inv(found.jac.T @ found.jac)[:6, :6]
+    jacobian = np.asarray(found.jac, dtype=np.float64)
+    return moved(start, found.x[:6]), np.asarray(np.linalg.inv(jacobian.T @ jacobian)[:6, :6], dtype=np.float64)
 
 
 def params_of(sigmas: tuple[float, float, float, float]) -> cah.HandEyeParams:
@@ -241,7 +254,7 @@ BAD: dict[str, tuple[Callable[[Poses], list[object]], int, str]] = {
 def test_bad_input_is_refused_by_name(case: str, method: int) -> None:
     spoil, code, text = BAD[case]
     with pytest.raises(cah.error, match=text) as caught:
-        cah.calibrateHandEye(*spoil(random_poses(4)), method=method)  # type: ignore[arg-type]
+        calibrate(spoil(random_poses(4)), method)
     assert caught.value.code == code
 
 

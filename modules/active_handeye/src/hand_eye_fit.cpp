@@ -8,7 +8,11 @@
 
 namespace cv { namespace active_handeye {
 
-static const double significance = 1e-3; // of leaving out a good view, all views together
+//! p-value below which a view is left out: 0.1 % for all tests of all views together.
+double HandEyeFit::limit() const
+{
+    return 1e-3 / (2 * views_.count());
+}
 
 HandEyeFit::HandEyeFit(const HandEyeViews& views, const NoiseVariances& given, double length)
     : views_(views), variance_(given.cwiseAbs2()), iterations_(0)
@@ -25,7 +29,8 @@ void HandEyeFit::linearize()
     residuals_.clear();
     for (int view : used_)
         residuals_.push_back(linearizedResidual(views_, view, state_));
-    variances_ = makePtr<HandEyeVariances>(residuals_, variance_, floors_, isFree_);
+    variances_ = std::allocate_shared<HandEyeVariances>(Eigen::aligned_allocator<HandEyeVariances>(), residuals_,
+                                                        variance_, floors_, isFree_);
 }
 
 //! Least squares with the present levels, levels from its residuals, until neither changes.
@@ -33,16 +38,18 @@ void HandEyeFit::solve()
 {
     const int maxRounds = 50;
     const double tolerance = 1e-8;
+    double stepBefore = std::numeric_limits<double>::infinity();
     for (int round = 0; round < maxRounds; ++round)
     {
         HandEyeProblem problem(views_, used_, state_, variance_);
         iterations_ += solveLeastSquares(problem).iterations;
         state_ = problem.state();
         linearize();
-        const double change = variances_->estimate();
+        const double change = variances_->estimate(), step = variances_->squaredStep();
         variance_ = variances_->variances();
-        if (round > 0 && change < tolerance && variances_->squaredStep() < tolerance * tolerance)
+        if (change < tolerance && (step < 1e-16 || step >= stepBefore)) // or rounding is reached
             break;
+        stepBefore = step;
     }
 }
 
@@ -57,12 +64,12 @@ double HandEyeFit::pValue(const HandEyeResidual& residual, int row, bool isUsed)
               robot = row == 0 ? NOISE_ROBOT_ROTATION : NOISE_ROBOT_TRANSLATION;
     if (!isFree_[camera] && !isFree_[robot])
         return chiSquareTail(squares, 3);
-    // The levels are estimates, and if the view is used also its own.
+    // The levels are estimates, and if the view is used also its own. Half of the degrees of freedom, since several levels share them.
     const double dof = 3. * usedViews() - 6, others = isUsed ? dof - 3 : dof;
     if (others < 1)
         return 1;
     const double rest = isUsed ? dof - squares : dof;
-    return rest > 0 ? fTail(squares / 3 / (rest / others), 3, others) : 0;
+    return rest > 0 ? fTail(squares / 3 / (rest / others), 3, 0.5 * others) : 0;
 }
 
 Eigen::Vector2d HandEyeFit::pValues(int view) const
@@ -71,21 +78,35 @@ Eigen::Vector2d HandEyeFit::pValues(int view) const
     return Eigen::Vector2d(pValue(residual, 0, isUsed(view)), pValue(residual, 3, isUsed(view)));
 }
 
-//! Leaves out the view that contradicts most, or takes in the one that agrees best; false when there is none.
-bool HandEyeFit::exchangeView(std::vector<bool>& wasLeftOut)
+//! Leaves out the view that contradicts most, if it still does when the others alone give the solution.
+void HandEyeFit::leaveOut(int view)
 {
-    const double limit = significance / (2 * views_.count());
+    used_.erase(std::find(used_.begin(), used_.end(), view));
+    solve();
+    if (pValues(view).minCoeff() >= limit())
+        takeIn(view);
+}
+
+void HandEyeFit::takeIn(int view)
+{
+    used_.insert(std::upper_bound(used_.begin(), used_.end(), view), view);
+    solve();
+}
+
+//! Leaves out the view that contradicts most, or takes in the one that agrees best; false when there is none.
+bool HandEyeFit::exchangeView(std::vector<bool>& isDecided)
+{
     int worst = -1, best = -1;
-    double least = limit, most = limit;
+    double least = limit(), most = limit();
     for (int view = 0; view < views_.count(); ++view)
     {
-        const double p = pValues(view).minCoeff();
+        const double p = isDecided[view] ? limit() : pValues(view).minCoeff();
         if (isUsed(view) && p < least)
         {
             least = p;
             worst = view;
         }
-        else if (!isUsed(view) && !wasLeftOut[view] && p > most)
+        else if (!isUsed(view) && p > most)
         {
             most = p;
             best = view;
@@ -93,12 +114,12 @@ bool HandEyeFit::exchangeView(std::vector<bool>& wasLeftOut)
     }
     if (worst >= 0 && usedViews() > 3)
     {
-        used_.erase(std::find(used_.begin(), used_.end(), worst));
-        wasLeftOut[worst] = true;
+        isDecided[worst] = true;
+        leaveOut(worst);
         return true;
     }
     if (best >= 0)
-        used_.insert(std::upper_bound(used_.begin(), used_.end(), best), best);
+        takeIn(best);
     return best >= 0;
 }
 
@@ -116,10 +137,10 @@ void HandEyeFit::run(const HandEyeStart& start)
     for (int k = 0; k < HAND_EYE_NOISES; ++k)
         if (isFree_[k])
             variance_(k) = std::max(squares(k), floors_(k));
-    std::vector<bool> wasLeftOut(views_.count(), false);
-    do
-        solve();
-    while (exchangeView(wasLeftOut));
+    solve();
+    std::vector<bool> isDecided(views_.count(), false);
+    while (exchangeView(isDecided))
+        continue;
 }
 
 }} // namespace cv::active_handeye

@@ -8,6 +8,8 @@
 
 #include "hand_eye_variances.hpp"
 
+#include <memory>
+
 namespace cv { namespace active_handeye {
 
 //! A state that most views agree on, from the best of many samples of three views, and these views.
@@ -42,7 +44,10 @@ private:
     void solve();
     void linearize();
     double pValue(const HandEyeResidual& residual, int row, bool isUsed) const;
-    bool exchangeView(std::vector<bool>& wasLeftOut);
+    double limit() const;
+    void leaveOut(int view);
+    void takeIn(int view);
+    bool exchangeView(std::vector<bool>& isDecided);
 
     const HandEyeViews& views_;
     NoiseVariances variance_, floors_;
@@ -50,7 +55,7 @@ private:
     HandEyeState state_;
     std::vector<int> used_; //!< ascending
     HandEyeResiduals residuals_;
-    Ptr<HandEyeVariances> variances_;
+    std::shared_ptr<HandEyeVariances> variances_;
     int iterations_;
 };
 

@@ -63,6 +63,9 @@ public:
     double costAfter(const Eigen::VectorXd& step) const CV_OVERRIDE;
     void apply(const Eigen::VectorXd& step) CV_OVERRIDE;
 
+    //! Of the sum of squares in standard deviations: far below what can be told.
+    double negligibleDecrease() const CV_OVERRIDE { return 1e-10; }
+
     const HandEyeState& state() const { return state_; }
 
 private:

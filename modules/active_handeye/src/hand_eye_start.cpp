@@ -21,7 +21,7 @@ std::vector<Vec3i> samplesOfViews(int n)
 {
     const int most = 500;
     std::vector<Vec3i> samples;
-    if (n * (n - 1) * (n - 2) / 6 <= most || n < 4)
+    if (n * (n - 1.) * (n - 2.) / 6 <= most)
     {
         for (int i = 0; i < n; ++i)
             for (int j = i + 1; j < n; ++j)
@@ -107,17 +107,20 @@ HandEyeStart findHandEyeStart(const HandEyeViews& views)
             start.state = state;
         }
     }
-    const double largest = 6; // standard deviations; generous, since a sample of three views is not accurate
+    // Standard deviations; generous, since a sample of three views is not accurate. Few views: Rousseeuw and Leroy 1987.
+    const double largest = 6 * (1 + 5. / (views.count() - 2));
     const Distances found(views, start.state);
+    std::vector<int> all;
     const double angle = largest * median(found.angles) / medianOfThree,
                  length = largest * median(found.lengths) / medianOfThree;
     for (int view = 0; view < views.count(); ++view)
+    {
+        all.push_back(view);
         if (found.angles[view] <= std::max(angle, 1e-9) && found.lengths[view] <= length)
             start.views.push_back(view);
-    for (int view = 0; start.views.size() < 3 && view < views.count(); ++view)
-        if (!std::count(start.views.begin(), start.views.end(), view))
-            start.views.push_back(view);
-    std::sort(start.views.begin(), start.views.end());
+    }
+    if (start.views.size() < 3 || int(start.views.size()) == views.count() - 1) // one wrong view cannot hide itself
+        start.views = all;
     return start;
 }
 

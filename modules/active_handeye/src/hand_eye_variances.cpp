@@ -8,9 +8,12 @@
 
 namespace cv { namespace active_handeye {
 
+// Gamma prior of shape 2 on the standard deviations (Chung et al. 2013): no level vanishes because the views are few.
+static const double penalty = 1;
+
 HandEyeVariances::HandEyeVariances(const HandEyeResiduals& residuals, const NoiseVariances& start,
                                    const NoiseVariances& floors, const bool (&isFree)[HAND_EYE_NOISES])
-    : residuals_(residuals), variances_(start), floors_(floors)
+    : residuals_(&residuals), variances_(start), floors_(floors)
 {
     std::copy(isFree, isFree + HAND_EYE_NOISES, isFree_);
     evaluate();
@@ -22,7 +25,7 @@ void HandEyeVariances::solve(AlignedVector<Matrix6d>& W, AlignedVector<Matrix6x1
     Matrix12d H = Matrix12d::Zero();
     gradient_.setZero();
     deviance_ = 0;
-    for (const HandEyeResidual& residual : residuals_)
+    for (const HandEyeResidual& residual : *residuals_)
     {
         const Eigen::LLT<Matrix6d> llt(residual.covariance(variances_));
         W.push_back(llt.solve(Matrix6d::Identity()));
@@ -50,19 +53,19 @@ void HandEyeVariances::evaluate()
     information_.setZero();
     Matrix12d S[HAND_EYE_NOISES];
     std::fill(S, S + HAND_EYE_NOISES, Matrix12d(Matrix12d::Zero()));
-    for (size_t i = 0; i < residuals_.size(); ++i)
+    for (size_t i = 0; i < residuals_->size(); ++i)
     {
-        const Vector6d r = residuals_[i].value + residuals_[i].jacobian * step, Pr = W[i] * r;
+        const Vector6d r = (*residuals_)[i].value + (*residuals_)[i].jacobian * step, Pr = W[i] * r;
         const Matrix6d inner = W[i] - 2 * WJ[i] * covariance_ * WJ[i].transpose();
         chiSquare_ += r.dot(Pr);
         for (int k = 0; k < HAND_EYE_NOISES; ++k)
         {
-            const Matrix6d V = residuals_[i].covariance(k);
+            const Matrix6d V = (*residuals_)[i].covariance(k);
             quadratic_(k) += Pr.dot(V * Pr);
             trace_(k) += W[i].cwiseProduct(V).sum();
             S[k] += WJ[i].transpose() * V * WJ[i];
             for (int l = 0; l < HAND_EYE_NOISES; ++l)
-                information_(k, l) += 0.5 * (V * W[i] * residuals_[i].covariance(l)).cwiseProduct(inner).sum();
+                information_(k, l) += 0.5 * (V * W[i] * (*residuals_)[i].covariance(l)).cwiseProduct(inner).sum();
         }
     }
     deviance_ += chiSquare_;
@@ -75,16 +78,29 @@ void HandEyeVariances::evaluate()
     information_ = variances_.asDiagonal() * information_ * variances_.asDiagonal();
 }
 
-//! At its floor a level takes part again only when the likelihood asks for more of it.
-bool HandEyeVariances::isActive(int noise) const
+//! Of the logarithms of the variances, penalty included.
+NoiseVariances HandEyeVariances::score() const
 {
-    return isFree_[noise] && (variances_(noise) > floors_(noise) || quadratic_(noise) > trace_(noise));
+    return 0.5 * (variances_.cwiseProduct(quadratic_ - trace_).array() + penalty);
 }
 
-NoiseMatrix HandEyeVariances::logVarianceCovariance() const
+double HandEyeVariances::objective() const
 {
-    const double ridge = 1e-6; // two noises that act alike are not told apart
-    NoiseMatrix information = information_ + ridge * NoiseMatrix::Identity();
+    double sum = deviance_;
+    for (int k = 0; k < HAND_EYE_NOISES; ++k)
+        sum -= isFree_[k] ? penalty * std::log(variances_(k)) : 0;
+    return sum;
+}
+
+//! At its floor a level takes part again only when there has to be more of it.
+bool HandEyeVariances::isActive(int noise) const
+{
+    return isFree_[noise] && (variances_(noise) > floors_(noise) || score()(noise) > 0);
+}
+
+//! Inverse over the active noises, zero elsewhere.
+NoiseMatrix HandEyeVariances::inverseOfActive(NoiseMatrix information) const
+{
     for (int k = 0; k < HAND_EYE_NOISES; ++k)
         if (!isActive(k))
         {
@@ -92,11 +108,17 @@ NoiseMatrix HandEyeVariances::logVarianceCovariance() const
             information.col(k).setZero();
             information(k, k) = 1;
         }
-    NoiseMatrix covariance = information.ldlt().solve(NoiseMatrix::Identity());
+    NoiseMatrix inverse = information.ldlt().solve(NoiseMatrix::Identity());
     for (int k = 0; k < HAND_EYE_NOISES; ++k)
         if (!isActive(k))
-            covariance(k, k) = 0;
-    return covariance;
+            inverse(k, k) = 0;
+    return inverse;
+}
+
+NoiseMatrix HandEyeVariances::logVarianceCovariance() const
+{
+    const double ridge = 1e-6; // two noises that act alike are not told apart
+    return inverseOfActive(information_ + ridge * NoiseMatrix::Identity());
 }
 
 void HandEyeVariances::move(const NoiseVariances& logStep)
@@ -107,31 +129,45 @@ void HandEyeVariances::move(const NoiseVariances& logStep)
     evaluate();
 }
 
+//! Newton's step with the expected information, and where a level is small the observed one.
+NoiseVariances HandEyeVariances::scoringStep() const
+{
+    const NoiseVariances slope = score(), observed = (slope.array() - 0.5 * penalty).abs();
+    NoiseMatrix information = information_;
+    information.diagonal() += observed;
+    return inverseOfActive(information) * slope;
+}
+
+//! Minimum of a bound on the objective (Zhou et al. 2019), with the penalty: tr v^2 - penalty v - q v0^2 = 0.
+NoiseVariances HandEyeVariances::ascentStep() const
+{
+    NoiseVariances step = NoiseVariances::Zero();
+    for (int k = 0; k < HAND_EYE_NOISES; ++k)
+        if (isActive(k))
+        {
+            const double trace = variances_(k) * trace_(k), quadratic = variances_(k) * quadratic_(k);
+            step(k) = std::log((penalty + std::sqrt(penalty * penalty + 4 * trace * quadratic)) / (2 * trace));
+        }
+    return step;
+}
+
 double HandEyeVariances::estimate()
 {
     const NoiseVariances start = variances_;
-    const int maxIterations = 200;
+    const int maxIterations = 100;
     const double limit = 1.5, tolerance = 1e-9;
     for (int iteration = 0; iteration < maxIterations; ++iteration)
     {
-        NoiseVariances score = NoiseVariances::Zero(), ascent = NoiseVariances::Zero();
-        for (int k = 0; k < HAND_EYE_NOISES; ++k)
-            if (isActive(k))
-            {
-                score(k) = 0.5 * variances_(k) * (quadratic_(k) - trace_(k));
-                ascent(k) = std::max(-limit, 0.5 * std::log(quadratic_(k) / trace_(k)));
-            }
-        NoiseVariances step = logVarianceCovariance() * score;
-        const double longest = step.cwiseAbs().maxCoeff();
+        const NoiseVariances step = scoringStep();
+        const double longest = step.cwiseAbs().maxCoeff(), before = objective();
         if (!(longest > tolerance))
             break;
-        const NoiseVariances before = variances_;
-        const double deviance = deviance_;
+        const HandEyeVariances here = *this;
         move(step * std::min(1., limit / longest));
-        if (!(deviance_ <= deviance))
+        if (!(objective() <= before))
         {
-            variances_ = before;
-            move(ascent);
+            *this = here;
+            move(ascentStep());
         }
     }
     return (variances_.array() / start.array().max(1e-300)).max(1e-300).log().cwiseAbs().maxCoeff() / 2;
@@ -141,7 +177,7 @@ double HandEyeVariances::degreesOfFreedom(int unknown) const
 {
     const Vector12d direction = covariance_.col(unknown);
     NoiseVariances gradient = NoiseVariances::Zero();
-    for (const HandEyeResidual& residual : residuals_)
+    for (const HandEyeResidual& residual : *residuals_)
     {
         const Vector6d y = residual.covariance(variances_).llt().solve(residual.jacobian * direction);
         for (int k = 0; k < HAND_EYE_NOISES; ++k)

@@ -19,7 +19,7 @@ public:
     HandEyeVariances(const HandEyeResiduals& residuals, const NoiseVariances& start, const NoiseVariances& floors,
                      const bool (&isFree)[HAND_EYE_NOISES]);
 
-    //! Fisher scoring; where that does not raise the likelihood, a step that always does. Returns the largest relative change of a level.
+    //! Fisher scoring; where that does not raise the penalised likelihood, a step that always does. Returns the largest relative change of a level.
     double estimate();
 
     const NoiseVariances& variances() const { return variances_; }
@@ -42,12 +42,17 @@ private:
     void solve(AlignedVector<Matrix6d>& W, AlignedVector<Matrix6x12d>& WJ);
     void evaluate();
     bool isActive(int noise) const;
+    NoiseVariances score() const;
+    double objective() const;
+    NoiseMatrix inverseOfActive(NoiseMatrix information) const;
+    NoiseVariances scoringStep() const;
+    NoiseVariances ascentStep() const;
 
     //! Covariance of the logarithms of the variances; zero rows for levels that were not estimated.
     NoiseMatrix logVarianceCovariance() const;
     void move(const NoiseVariances& logStep);
 
-    const HandEyeResiduals& residuals_;
+    const HandEyeResiduals* residuals_;
     NoiseVariances variances_, floors_;
     bool isFree_[HAND_EYE_NOISES];
 

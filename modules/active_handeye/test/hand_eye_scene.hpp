@@ -45,6 +45,18 @@ public:
             addView(draw(leastTurnDeg, mostTurnDeg, 0.5, 1.5));
     }
 
+    //! A copy shares nothing with its original.
+    HandEyeScene(const HandEyeScene& other)
+        : rng(other.rng), cam2gripper(other.cam2gripper), target2base(other.target2base)
+    {
+        copyTo(other.R_gripper2base, R_gripper2base);
+        copyTo(other.t_gripper2base, t_gripper2base);
+        copyTo(other.R_target2cam, R_target2cam);
+        copyTo(other.t_target2cam, t_target2cam);
+    }
+
+    HandEyeScene& operator=(const HandEyeScene&) = delete;
+
     //! A view in which the camera sees the target where it is.
     void addView(const RigidMotion& gripper2base)
     {
@@ -82,6 +94,12 @@ public:
     vector<Mat> R_gripper2base, t_gripper2base, R_target2cam, t_target2cam;
 
 private:
+    static void copyTo(const vector<Mat>& from, vector<Mat>& to)
+    {
+        for (const Mat& m : from)
+            to.push_back(m.clone());
+    }
+
     static void add(vector<Mat>& R, vector<Mat>& t, const RigidMotion& pose)
     {
         R.push_back(Mat(pose.R));

@@ -65,21 +65,21 @@ double coverage(int views, int trials, const HandEyeParams& params, double* mean
 TEST(ActiveHandEye_HandEyeExtended, covariance_is_that_of_the_errors_with_given_levels)
 {
     double meanSquare;
-    EXPECT_NEAR(0.95, coverage(10, 150, trueLevels(), &meanSquare), 0.03);
-    EXPECT_NEAR(1, meanSquare, 0.25);
+    EXPECT_NEAR(0.95, coverage(10, 100, trueLevels(), &meanSquare), 0.035);
+    EXPECT_NEAR(1, meanSquare, 0.3);
 }
 
 TEST(ActiveHandEye_HandEyeExtended, intervals_hold_the_truth_with_estimated_levels)
 {
     double meanSquare;
-    EXPECT_GE(coverage(10, 100, HandEyeParams(), &meanSquare), 0.90);
-    EXPECT_GE(coverage(4, 100, HandEyeParams(), &meanSquare), 0.88);
+    EXPECT_GE(coverage(10, 60, HandEyeParams(), &meanSquare), 0.90);
+    EXPECT_GE(coverage(4, 60, HandEyeParams(), &meanSquare), 0.88);
 }
 
 TEST(ActiveHandEye_HandEyeExtended, chi_square_of_given_levels_has_its_distribution)
 {
     double mean = 0;
-    const int trials = 100, views = 8;
+    const int trials = 60, views = 8;
     for (int trial = 0; trial < trials; ++trial)
     {
         HandEyeScene scene(trial, views);
@@ -91,7 +91,7 @@ TEST(ActiveHandEye_HandEyeExtended, chi_square_of_given_levels_has_its_distribut
     EXPECT_NEAR(6 * views - 12, mean, 4 * std::sqrt(2. * (6 * views - 12) / trials));
 
     HandEyeScene scene(1);
-    scene.addNoise(PoseNoise{0.02, 0.05}, robotNoise);
+    scene.addNoise(PoseNoise{0.0032, 0.008}, PoseNoise{0.0016, 0.0016}); // 1.6 times what is given
     const HandEyeSummary summary = calibrate(scene, trueLevels()).summary;
     EXPECT_FALSE(summary.usable);
     EXPECT_NE(string::npos, summary.message.find("do not fit the noise levels given")) << summary.message;
@@ -140,7 +140,7 @@ TEST(ActiveHandEye_HandEyeExtended, wrong_views_are_left_out_and_named)
 TEST(ActiveHandEye_HandEyeExtended, good_views_are_kept)
 {
     int rejected = 0;
-    for (int trial = 0; trial < 100; ++trial)
+    for (int trial = 0; trial < 60; ++trial)
     {
         HandEyeScene scene(trial, 6);
         scene.addNoise(cameraNoise, robotNoise);
