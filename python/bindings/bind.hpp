@@ -16,6 +16,7 @@ void bindRotation(pybind11::module_& m);
 void bindLightPlane(pybind11::module_& m);
 void bindStripe(pybind11::module_& m);
 void bindRefine(pybind11::module_& m);
+void bindHandEye(pybind11::module_& m);
 void bindVerify(pybind11::module_& m);
 void bindProfile(pybind11::module_& m);
 void bindMeasure(pybind11::module_& m);

@@ -17,6 +17,7 @@ PYBIND11_MODULE(_core, m)
     bindLightPlane(m);
     bindStripe(m);
     bindRefine(m);
+    bindHandEye(m);
     bindVerify(m);
     bindProfile(m);
     bindMeasure(m);

@@ -16,6 +16,12 @@ Data sets, tracking, the simulated cell and the workflow live in the subpackages
 """
 
 from ._core import (
+    CALIB_HAND_EYE_ANDREFF,
+    CALIB_HAND_EYE_DANIILIDIS,
+    CALIB_HAND_EYE_HORAUD,
+    CALIB_HAND_EYE_PARK,
+    CALIB_HAND_EYE_REFINED,
+    CALIB_HAND_EYE_TSAI,
     FOE_LEAST_SQUARES,
     FOE_RANSAC,
     LENS_AUTO,
@@ -39,6 +45,8 @@ from ._core import (
     TRANSLATIONS_METRIC,
     TRANSLATIONS_SQUARE_PIXELS,
     TRANSLATIONS_ZERO_SKEW,
+    HandEyeParams,
+    HandEyeSummary,
     PlanParams,
     RefineParams,
     RefineSummary,
@@ -46,6 +54,8 @@ from ._core import (
     VerifyParams,
     VerifySummary,
     associateStripes,
+    calibrateHandEye,
+    calibrateHandEyeExtended,
     calibrateHandEyeRotation,
     calibrateHandEyeTranslations,
     calibrateLightPlane,
@@ -66,6 +76,12 @@ from ._core import (
 from ._core import version as __version__
 
 __all__ = [
+    "CALIB_HAND_EYE_ANDREFF",
+    "CALIB_HAND_EYE_DANIILIDIS",
+    "CALIB_HAND_EYE_HORAUD",
+    "CALIB_HAND_EYE_PARK",
+    "CALIB_HAND_EYE_REFINED",
+    "CALIB_HAND_EYE_TSAI",
     "FOE_LEAST_SQUARES",
     "FOE_RANSAC",
     "LENS_AUTO",
@@ -89,6 +105,8 @@ __all__ = [
     "TRANSLATIONS_METRIC",
     "TRANSLATIONS_SQUARE_PIXELS",
     "TRANSLATIONS_ZERO_SKEW",
+    "HandEyeParams",
+    "HandEyeSummary",
     "PlanParams",
     "RefineParams",
     "RefineSummary",
@@ -97,6 +115,8 @@ __all__ = [
     "VerifySummary",
     "__version__",
     "associateStripes",
+    "calibrateHandEye",
+    "calibrateHandEyeExtended",
     "calibrateHandEyeRotation",
     "calibrateHandEyeTranslations",
     "calibrateLightPlane",

@@ -68,14 +68,8 @@ Pixels toPixels(const Numbers& numbers, const std::string& name)
     return pixels;
 }
 
-double median(std::vector<double> values)
-{
-    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-    return values[values.size() / 2];
-}
-
 //! Refuses a view whose translation is about 1000 times longer than most, or 1000 times shorter in much the same direction.
-void requireOneUnit(const AlignedVector<Pose>& poses)
+void requireOneUnit(const AlignedVector<Pose>& poses, const char* name)
 {
     std::vector<double> coordinates[3], lengths;
     for (const Pose& pose : poses)
@@ -94,10 +88,9 @@ void requireOneUnit(const AlignedVector<Pose>& poses)
         if (tooLong || tooShort)
             CV_Error(
                 Error::StsBadArg,
-                cv::format(
-                    "t_gripper2base[%d]: millimetres and metres seem to be mixed; needed one unit of length in all views, "
-                    "given |t| = %g where the median of the views is %g",
-                    int(view), lengths[view], length));
+                cv::format("%s[%d]: millimetres and metres seem to be mixed; needed one unit of length in all views, "
+                           "given |t| = %g where the median of the views is %g",
+                           name, int(view), lengths[view], length));
     }
 }
 
@@ -129,23 +122,28 @@ std::vector<Matrix3d> readRotations(InputArrayOfArrays R, const char* name)
     return rotations;
 }
 
-AlignedVector<Pose> readRobotPoses(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base, size_t least)
+AlignedVector<Pose> readPoses(InputArrayOfArrays R, InputArrayOfArrays t, const char* R_name, const char* t_name,
+                              size_t least)
 {
-    const std::vector<Matrix3d> rotations = readRotations(R_gripper2base, "R_gripper2base");
-    const std::vector<Numbers> translations = readList(t_gripper2base);
+    const std::vector<Matrix3d> rotations = readRotations(R, R_name);
+    const std::vector<Numbers> translations = readList(t);
     if (rotations.size() != translations.size())
         CV_Error(Error::StsBadSize,
-                 cv::format(
-                     "t_gripper2base: needed one translation for each of the %d rotations of R_gripper2base, given %d",
-                     int(rotations.size()), int(translations.size())));
+                 cv::format("%s: needed one translation for each of the %d rotations of %s, given %d", t_name,
+                            int(rotations.size()), R_name, int(translations.size())));
     if (rotations.size() < least)
         CV_Error(Error::StsBadSize,
-                 cv::format("R_gripper2base: needed at least %d views, given %d", int(least), int(rotations.size())));
+                 cv::format("%s: needed at least %d views, given %d", R_name, int(least), int(rotations.size())));
     AlignedVector<Pose> poses;
     for (size_t i = 0; i < rotations.size(); ++i)
-        poses.push_back(Pose{rotations[i], toVector3(translations[i], itemName("t_gripper2base", i))});
-    requireOneUnit(poses);
+        poses.push_back(Pose{rotations[i], toVector3(translations[i], itemName(t_name, i))});
+    requireOneUnit(poses, t_name);
     return poses;
+}
+
+AlignedVector<Pose> readRobotPoses(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base, size_t least)
+{
+    return readPoses(R_gripper2base, t_gripper2base, "R_gripper2base", "t_gripper2base", least);
 }
 
 Pixels readPixels(InputArray points, const char* name)

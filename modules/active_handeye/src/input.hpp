@@ -25,7 +25,11 @@ Eigen::Vector3d readVector3(InputArray v, const char* name);
 //! V rotations (3x3) or rotation vectors.
 std::vector<Eigen::Matrix3d> readRotations(InputArrayOfArrays R, const char* name);
 
-//! V robot poses, `least` or more. Refuses views whose translation looks like another unit of length (mm against m).
+//! V poses, `least` or more. Refuses views whose translation looks like another unit of length (mm against m).
+AlignedVector<Pose> readPoses(InputArrayOfArrays R, InputArrayOfArrays t, const char* R_name, const char* t_name,
+                              size_t least);
+
+//! The same for R_gripper2base, t_gripper2base.
 AlignedVector<Pose> readRobotPoses(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gripper2base,
                                    size_t least = 2);
 

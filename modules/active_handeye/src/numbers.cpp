@@ -27,6 +27,12 @@ Numbers numbersOf(const Mat& m)
     return numbers;
 }
 
+double median(std::vector<double> values)
+{
+    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+    return values[values.size() / 2];
+}
+
 static bool isListOfMats(const _InputArray& a)
 {
     return a.isMatVector() || a.isUMatVector() || a.kind() == _InputArray::STD_VECTOR_VECTOR;

@@ -20,6 +20,9 @@ Numbers numbersOf(const Mat& m);
 //! A list of arrays, or one array split along its first dimension (a vector of points along its only one).
 std::vector<Numbers> readList(const _InputArray& a);
 
+//! The upper one of the two in the middle of an even number.
+double median(std::vector<double> values);
+
 }} // namespace cv::active_handeye
 
 #endif

@@ -11,6 +11,7 @@
 #include "opencv2/active_handeye/stripe.hpp"
 #include "opencv2/active_handeye/light_plane.hpp"
 #include "opencv2/active_handeye/refine.hpp"
+#include "opencv2/active_handeye/hand_eye.hpp"
 #include "opencv2/active_handeye/verify.hpp"
 #include "opencv2/active_handeye/profile.hpp"
 #include "opencv2/active_handeye/measure.hpp"
@@ -30,6 +31,7 @@ the light plane.
                                 --> calibrateLightPlane             lightPlane
     planned views               --> planHandEyeViews, predictHandEyeCovariance      where to go, and what comes of it
     everything at once          --> refineHandEye                   all parameters, noise levels, covariance, verdict
+    robot poses + target poses  --> calibrateHandEye, calibrateHandEyeExtended      with a target: as cv::calibrateHandEye
     stripes + calibration       --> reprojectStripe                 points in space
                                 --> locateOnStripe, findProfileCorners, measureStripePoints     characteristic points
     new views + calibration     --> verifyHandEye                   still valid?
@@ -48,6 +50,7 @@ Degenerate cases are refused: an answer that the data cannot support is a cv::Ex
     @defgroup active_handeye_stripe Laser stripes in images
     @defgroup active_handeye_light_plane Light plane
     @defgroup active_handeye_refine Joint refinement
+    @defgroup active_handeye_hand_eye Hand-eye transform from poses of a target
     @defgroup active_handeye_planning Planned views
     @defgroup active_handeye_profile Characteristic points of a stripe
     @defgroup active_handeye_measure Points in space from stripes
