@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from scipy.spatial.transform import Rotation
 from support import code_blocks
 from support.code_blocks import ROOT, Block
 from support.command_line import run
@@ -245,7 +246,14 @@ def recorded_arrays() -> dict[str, Any]:
     """Poses and image points under the names that the pages use, with a little noise."""
     recording, rng = exact_recording(), np.random.default_rng(4)
     points = recording.imagePoints + 0.05 * rng.normal(size=recording.imagePoints.shape)
+    turned = [recording.R_cam2gripper.T @ R.T for R in recording.R_gripper2base]  # the target's frame is the base
+    shifts = [
+        -R @ t - recording.R_cam2gripper.T @ recording.t_cam2gripper + 1e-4 * rng.normal(size=3)
+        for R, t in zip(turned, recording.t_gripper2base, strict=True)
+    ]
     return {
+        "R_target2cam": [R @ Rotation.from_rotvec(1e-4 * rng.normal(size=3)).as_matrix() for R in turned],
+        "t_target2cam": shifts,
         "R_gripper2base": recording.R_gripper2base,
         "t_gripper2base": recording.t_gripper2base,
         "imagePoints": points,
