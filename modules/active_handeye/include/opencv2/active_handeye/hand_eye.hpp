@@ -36,6 +36,7 @@ are needed, hence at least three views. On exact data all methods give the same;
 same name do. Motions that do not determine X, and poses that contradict each other, are refused by every method.
 
 For a camera that is fixed beside the robot (eye-to-hand) pass the inverted robot poses; the result is camera to base.
+See doc/method/hand_eye.md.
 
 @param[in] R_gripper2base V rotations `(3x3)` or rotation vectors, V >= 3.
 @param[in] t_gripper2base V translations of 3 numbers, `(3x1)` or `(1x3)`, any unit of length.
