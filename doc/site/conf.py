@@ -51,7 +51,7 @@ nitpick_ignore_regex = [
         "cpp:identifier",
         r"cv|std|cv::Exception|std::.*|noArray|Mat|Rect|Size|(Input|Output|InputOutput)Array(OfArrays)?",
     ),
-    ("cpp:identifier", r"(Plan|Refine|Stripe|Verify)(Params|Summary)"),  # in the scope of cv::active_handeye
+    ("cpp:identifier", r"(HandEye|Plan|Refine|Stripe|Verify)(Params|Summary)"),  # in the scope of cv::active_handeye
 ]
 
 html_math_renderer = "mathml"

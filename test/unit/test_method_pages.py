@@ -68,6 +68,25 @@ def test_equation_of_the_paper_has_the_number_of_the_page(path: Path) -> None:
     assert cited(path) <= explained, f"{[page.name for page in pages]} do not explain {sorted(cited(path) - explained)}"
 
 
+def test_equations_of_our_own_pages_exist() -> None:
+    cited = [
+        (path.name, page, number)
+        for path in CODE
+        for page, list_of in re.findall(rf"doc/method/(\w+)\.md,? {NUMBERS}", path.read_text(encoding="utf-8"))
+        for number in numbers(list_of)
+    ]
+    assert cited
+    missing = [c for c in cited if f"({c[2]})\n" not in (METHOD / f"{c[1]}.md").read_text(encoding="utf-8")]
+    assert missing == []
+
+
+def test_every_decision_is_in_the_list_with_its_title() -> None:
+    listed = (ROOT / "doc/decisions/README.md").read_text(encoding="utf-8")
+    for page in set((ROOT / "doc/decisions").glob("*.md")) - {ROOT / "doc/decisions/README.md"}:
+        title = page.read_text(encoding="utf-8").splitlines()[0].removeprefix("# ")
+        assert f"[{title}]({page.name})" in listed
+
+
 @pytest.mark.parametrize("path", sorted({*METHOD.glob("*.md"), ROOT / "doc/why.md"}), ids=lambda path: str(path.stem))
 def test_page_cites_tests_and_benchmarks_that_exist(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
