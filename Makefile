@@ -93,9 +93,7 @@ bench: setup
 	$(BIN)/python -m benchmark --write
 
 gallery: setup
-	$(BIN)/python samples/python/08_gallery.py out/gallery
-	@mkdir -p doc/pictures/gallery
-	$(BIN)/python -c "import cv2, pathlib; [cv2.imwrite(f'doc/pictures/gallery/{p.stem}.jpg', cv2.imread(str(p))) for p in pathlib.Path('out/gallery').glob('*.png')]"
+	$(BIN)/python samples/python/08_gallery.py out/gallery --write
 
 sanitize: setup
 	@cmake --preset asan-ubsan >/dev/null

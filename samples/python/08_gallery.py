@@ -12,10 +12,11 @@ frames.png       the frames and their names
 Run: python samples/python/08_gallery.py out/gallery          (about a minute; needs the extras workflow and sim)
 """
 
+import argparse
 import re
-import sys
 from pathlib import Path
 
+import cv2
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -39,7 +40,7 @@ def draw_foe(path, dataset, evidence, first, second):
     centre = foe[:2, 0] / foe[2, 0]
     to_pixel = np.column_stack([np.eye(2), -centre]) / foe[2, 0]
     sigma = np.sqrt(np.diag(to_pixel @ covariance @ to_pixel.T))
-    figure = Figure(figsize=(9, 7.4), layout="constrained")
+    figure = Figure(figsize=(8, 8.4), layout="constrained")
     axes = figure.add_subplot()
     image = dataset.image(first)
     axes.imshow(image, cmap="gray")
@@ -119,7 +120,7 @@ def accuracy_rows(robot):
     """(stops, way, RMSE of t in mm, motor time in s) of "Accuracy against number of stops"."""
     text = (ROOT / "doc/accuracy.md").read_text(encoding="utf-8").partition("### Accuracy against number of stops")[2]
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in re.findall(rf"^\| {robot} .*", text, re.M)]
-    return [(int(row[1]), row[2], float(row[4]), float(row[6])) for row in rows]
+    return [(int(row[1]), row[2], float(row[4]), float(row[7])) for row in rows]
 
 
 def draw_stops(path, robot="ur5e"):
@@ -139,11 +140,11 @@ def draw_stops(path, robot="ur5e"):
     save_figure(figure, path)
 
 
-def draw_frame(axes, name, origin, R, size):
-    """Three arrows and a name."""
+def draw_frame(axes, name, origin, R, size, label):
+    """Three arrows, and a name beside them."""
     for k, colour in enumerate(AXIS_COLOURS):
         axes.quiver(*origin, *(size * R[:, k]), color=colour, linewidth=2, arrow_length_ratio=0.15)
-    axes.text(*np.add(origin, [0, 0, -0.35 * size]), name, fontsize=11)
+    axes.text(*np.add(origin, label), name, fontsize=12, weight="bold")
 
 
 def draw_frames(path):
@@ -151,34 +152,46 @@ def draw_frames(path):
     down = np.diag([1.0, -1.0, -1.0])
     cos, sin = np.cos(np.radians(18)), np.sin(np.radians(18))
     camera_R = np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]]) @ down
-    gripper, camera, point = np.array([0.5, 0, 0.75]), np.array([0.72, 0, 0.68]), np.array([0.6, 0.05, 0.02])
-    figure = Figure(figsize=(8, 6.6), layout="constrained")
+    gripper, camera, point = np.array([0.4, 0, 0.75]), np.array([0.8, 0, 0.66]), np.array([0.6, 0.05, 0.02])
+    figure = Figure(figsize=(8, 6.2), layout="constrained")
     axes = figure.add_subplot(projection="3d")
-    draw_frame(axes, "base", np.zeros(3), np.eye(3), 0.16)
-    draw_frame(axes, "gripper", gripper, down, 0.14)
-    draw_frame(axes, "cam", camera, camera_R, 0.12)
-    for a, b, text in (
-        (np.zeros(3), gripper, "R_gripper2base, t_gripper2base"),
-        (gripper, camera, "R_cam2gripper,\nt_cam2gripper"),
+    draw_frame(axes, "base", np.zeros(3), np.eye(3), 0.16, (-0.02, 0, -0.08))
+    draw_frame(axes, "gripper", gripper, down, 0.14, (-0.05, 0, 0.05))
+    draw_frame(axes, "cam", camera, camera_R, 0.13, (0.03, 0, 0.05))
+    for a, b, text, offset in (
+        (np.zeros(3), gripper, "R_gripper2base\nt_gripper2base", (-0.3, 0, 0.04)),
+        (gripper, camera, "R_cam2gripper\nt_cam2gripper", (-0.03, 0, 0.06)),
     ):
         axes.plot(*np.array([a, b]).T, color="0.5", linestyle="--")
-        axes.text(*((a + b) / 2), text, fontsize=9, color="0.25")
+        axes.text(*((a + b) / 2 + offset), text, fontsize=10, color="0.25")
     axes.plot(*np.array([camera, point]).T, color=GROUP_COLOURS[4], linewidth=1.2)
     axes.scatter(*point, color="black", s=25)
-    axes.text(*np.add(point, [0.02, 0, 0.01]), "X", fontsize=12)
-    light = camera + np.array([0.1, 0, 0])
-    fan = np.array([light, [0.6, -0.22, 0.02], [0.6, 0.22, 0.02], light])
-    axes.plot_trisurf(*fan[:3].T, triangles=[[0, 1, 2]], color=GROUP_COLOURS[1], alpha=0.2)
-    axes.plot(*fan[1:3].T, color=GROUP_COLOURS[1], linewidth=2.5)
-    axes.text(*np.add(fan[2], [0, 0.02, 0.03]), "light plane  n·X = d", fontsize=9, color=GROUP_COLOURS[1])
-    axes.set(xlim=(-0.1, 0.9), ylim=(-0.5, 0.5), zlim=(0, 0.9))
-    axes.set_box_aspect((1, 1, 0.9), zoom=1.25)
-    axes.view_init(elev=16, azim=-68)
+    axes.text(*np.add(point, [-0.02, 0, 0.04]), "X", fontsize=12)
+    fan = np.array([np.add(camera, [0.1, 0, 0]), [0.6, -0.25, 0.02], [0.6, 0.25, 0.02]])
+    axes.plot_trisurf(*fan.T, triangles=[[0, 1, 2]], color=GROUP_COLOURS[1], alpha=0.2)
+    axes.plot(*fan[1:].T, color=GROUP_COLOURS[1], linewidth=2.5)
+    axes.text(0.82, 0.1, 0.3, "light plane\nn·X = d", fontsize=10, color=GROUP_COLOURS[1])
+    axes.set(xlim=(0, 0.9), ylim=(-0.3, 0.3), zlim=(0, 0.8))
+    axes.set_box_aspect((0.9, 0.6, 0.8), zoom=1.35)
+    axes.view_init(elev=14, azim=-66)
     axes.set_axis_off()
     save_figure(figure, path)
 
 
-def main(folder):
+def towards_the_scene(dataset, calibration):
+    """Two views of one orientation whose translation is most along the optical axis: their FOE is nearest to the image."""
+    groups = cah.groupViews(dataset.R_gripper2base)[:, 0]
+    axes = dataset.R_gripper2base @ calibration.R_cam2gripper[:, 2]
+    pairs = [(i, j) for i in range(len(groups)) for j in range(len(groups)) if i != j and groups[i] == groups[j]]
+
+    def along(pair):
+        moved = dataset.t_gripper2base[pair[1]] - dataset.t_gripper2base[pair[0]]
+        return moved @ axes[pair[0]] / np.linalg.norm(moved)
+
+    return max(pairs, key=along)
+
+
+def draw_all(folder):
     """Draw everything into the folder."""
     draw_frames(folder / "frames.png")
     draw_stops(folder / "stops.png")
@@ -192,18 +205,25 @@ def main(folder):
     print(*sorted(folder.glob("*.png")), sep="\n")
 
 
-def towards_the_scene(dataset, calibration):
-    """Two views of one orientation whose translation is most along the optical axis: their FOE is in the image."""
-    groups = cah.groupViews(dataset.R_gripper2base)[:, 0]
-    axes = dataset.R_gripper2base @ calibration.R_cam2gripper[:, 2]
-    pairs = [(i, j) for i in range(len(groups)) for j in range(len(groups)) if i != j and groups[i] == groups[j]]
+def write_into_documentation(folder):
+    """Small copies for doc/gallery.md and for the pages of the C++ module."""
+    for name in ("motion", "foe", "stripe", "ellipsoids", "stops"):
+        picture = cv2.imread(str(folder / f"{name}.png"))
+        cv2.imwrite(str(ROOT / f"doc/pictures/gallery/{name}.jpg"), picture, [cv2.IMWRITE_JPEG_QUALITY, 85])
+    frames = ROOT / "modules/active_handeye/doc/pics/active_handeye_frames.png"
+    cv2.imwrite(str(frames), cv2.imread(str(folder / "frames.png")))
 
-    def along(pair):
-        moved = dataset.t_gripper2base[pair[1]] - dataset.t_gripper2base[pair[0]]
-        return moved @ axes[pair[0]] / np.linalg.norm(moved)
 
-    return max(pairs, key=along)
+def main():
+    """Draw; with --write also into the documentation."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, nargs="?", default=Path("out/gallery"))
+    parser.add_argument("--write", action="store_true", help="copy them into the documentation of this repository")
+    options = parser.parse_args()
+    draw_all(options.folder)
+    if options.write:
+        write_into_documentation(options.folder)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else "out/gallery"))
+    main()
