@@ -179,7 +179,7 @@ def draw_frames(path):
 
 
 def towards_the_scene(dataset, calibration):
-    """Two views of one orientation whose translation is most along the optical axis: their FOE is nearest to the image."""
+    """Two views of one orientation, moved as much along the optical axis as any: the FOE is near the image."""
     groups = cah.groupViews(dataset.R_gripper2base)[:, 0]
     axes = dataset.R_gripper2base @ calibration.R_cam2gripper[:, 2]
     pairs = [(i, j) for i in range(len(groups)) for j in range(len(groups)) if i != j and groups[i] == groups[j]]
