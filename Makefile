@@ -4,10 +4,16 @@
 #   make demo      calibrate a simulated robot cell from its images; results in out/demo
 #   make test      C++ and Python tests
 #   make lint      formatting, ruff, mypy, generated stubs
+#   make gallery   the pictures of doc/gallery.md
 #   make bench     the benchmarks behind the tables of the README
 #   make sanitize  C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
 #   make fuzz      detectStripe under the sanitizers, and what reads a robot's bytes, with random input, FUZZ_SECONDS (60) each
+#   make docs      the site of the documentation in build/docs; warnings and dead links are errors
 #   make ur-sample the C++ sample for UR arms: builds ur_rtde from its source package, and runs the sample against the emulator
+#   make opencv4, make opencv5   the module inside OpenCV: builds it there, runs all of its tests (half an hour the first time)
+#   make wheel     the source package and a wheel for each of PYTHONS (python3 of .venv), tried in bare environments; in build/wheel
+#   make clang     the C++ tests built with clang++, warnings are errors
+#   make tidy      clang-tidy over the library and the bindings
 #   make setup     only what these have in common: system packages, virtual environment, build
 # Everything goes into .venv, build and out. A second run builds only what changed and fetches nothing.
 
@@ -17,6 +23,7 @@ BIN := $(VENV)/bin
 BUILD := build/python
 JOBS ?= $(shell nproc)
 FUZZ_SECONDS ?= 60
+PYTHONS ?= $(BIN)/python
 
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
@@ -29,7 +36,8 @@ CPP_FILES := $(shell find modules/active_handeye/include modules/active_handeye/
 
 UR_RTDE := ur_rtde-1.6.5
 
-.PHONY: setup demo test test-cpp test-python lint format stubs bench sanitize fuzz ur-sample clean distclean system-packages
+.PHONY: setup demo test test-cpp test-python lint format stubs bench sanitize fuzz docs gallery ur-sample opencv4 opencv5 wheel clang tidy \
+  clean distclean system-packages
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.installed
@@ -84,6 +92,9 @@ bench: setup
 	-@scripts/system-packages $(PYTHON) bench
 	$(BIN)/python -m benchmark --write
 
+gallery: setup
+	$(BIN)/python samples/python/08_gallery.py out/gallery --write
+
 sanitize: setup
 	@cmake --preset asan-ubsan >/dev/null
 	@cmake --build --preset asan-ubsan
@@ -93,16 +104,23 @@ sanitize: setup
 	done; for part in $$parts; do wait $$part || failed=1; done; test -z "$$failed"
 	build/asan-ubsan/bin/active_handeye_test_internal --gtest_brief=1
 
-$(VENV)/.fuzz: pyproject.toml | setup
-	@$(BIN)/python scripts/requirements.py fuzz >$@.txt
-	@$(BIN)/python -m pip install --quiet --requirement $@.txt
-	@touch $@
-
 fuzz: setup $(VENV)/.fuzz
 	@cmake --preset asan-ubsan -DACTIVE_HANDEYE_BUILD_FUZZERS=ON >/dev/null
 	@cmake --build build/asan-ubsan --target active_handeye_fuzz_detect_stripe
 	cd build/asan-ubsan && bin/active_handeye_fuzz_detect_stripe -max_total_time=$(FUZZ_SECONDS)
 	for target in fuzz/fuzz_*.py; do $(BIN)/python $$target -max_total_time=$(FUZZ_SECONDS) -verbosity=0 || exit 1; done
+
+$(VENV)/.docs: pyproject.toml | setup
+	@scripts/system-packages $(PYTHON) docs
+	@$(BIN)/python scripts/requirements.py docs >$@.txt
+	@$(BIN)/python -m pip install --quiet --requirement $@.txt
+	@touch $@
+
+docs: setup $(VENV)/.docs
+	@mkdir -p build/doxygen
+	doxygen doc/site/Doxyfile
+	$(BIN)/python -m sphinx -W --keep-going -n -q -j $(JOBS) -c doc/site . build/docs
+	$(BIN)/python doc/site/check_links.py build/docs
 
 build/ur_rtde/.installed: | setup
 	@scripts/system-packages $(PYTHON) ur-sample
@@ -118,6 +136,28 @@ ur-sample: build/ur_rtde/.installed
 	@cmake -S . -B build/ur_sample -DACTIVE_HANDEYE_BUILD_SAMPLES=ON -DCMAKE_PREFIX_PATH=$(CURDIR)/build/ur_rtde/install >/dev/null
 	@cmake --build build/ur_sample --target ur_live
 	$(BIN)/python -m pytest test/e2e/test_ur_sample.py
+
+$(VENV)/.%: pyproject.toml scripts/requirements.py | setup
+	@$(BIN)/python scripts/requirements.py $* >$@.txt
+	@$(BIN)/python -m pip install --quiet --requirement $@.txt
+	@touch $@
+
+wheel: setup $(VENV)/.wheel
+	$(BIN)/python scripts/build_wheels.py $(PYTHONS)
+	$(BIN)/python -m benchmark.wheel --output build/wheel/report.json --write
+
+clang: setup
+	@scripts/system-packages $(PYTHON) clang
+	@cmake --preset clang >/dev/null
+	@cmake --build --preset clang
+	@ctest --preset clang
+
+tidy: setup $(VENV)/.tidy
+	@cmake --preset tidy -Dpybind11_DIR="$$($(BIN)/python -m pybind11 --cmakedir)" >/dev/null
+	$(BIN)/run-clang-tidy.py -quiet -p build/tidy -j $(JOBS) 'modules/active_handeye/src/|python/bindings/'
+
+opencv4 opencv5: opencv%: setup
+	$(BIN)/python scripts/opencv_in_tree.py $* $(IN_TREE_OPTIONS)
 
 clean:
 	rm -rf build out .mypy_cache .ruff_cache .pytest_cache $(VENV)/.installed

@@ -30,9 +30,14 @@ def extra_requirements(project: dict[str, Any], extra: str) -> list[str]:
     return requirements
 
 
+def pyproject_file() -> dict[str, Any]:
+    """The content of pyproject.toml."""
+    return tomllib.loads(Path(__file__).parents[1].joinpath("pyproject.toml").read_text(encoding="utf-8"))
+
+
 def main(extras: list[str]) -> None:
     """Print the requirements of the project and of the extras."""
-    pyproject = tomllib.loads(Path(__file__).parents[1].joinpath("pyproject.toml").read_text(encoding="utf-8"))
+    pyproject = pyproject_file()
     requirements = pyproject["build-system"]["requires"] + pyproject["project"]["dependencies"]
     for extra in extras:
         requirements += extra_requirements(pyproject["project"], extra)

@@ -23,9 +23,9 @@ Args:
     distCoeffs: k1, k2, p1, p2[, k3] as in OpenCV; None = no distortion.
     lightPlane: nx, ny, nz, d in the camera frame, n.X = d, |n| = 1, d > 0.
     R_cam2gripper: rotation of the camera in the gripper frame, (3, 3) or rotation vector; None with t_cam2gripper.
-    t_cam2gripper: position of the camera in the gripper frame, in the unit of d.
+    t_cam2gripper: position of the camera in the gripper frame, 3 numbers in the unit of d.
     R_gripper2base: rotation of the gripper in this view, (3, 3) or rotation vector; None with t_gripper2base.
-    t_gripper2base: position of the gripper in this view, in the unit of d.
+    t_gripper2base: position of the gripper in this view, 3 numbers in the unit of d.
     calibrationCovariance: (20, 20), RefineSummary.covariance; infinite variances mark parameters that were not observed.
     pixelSigmas: standard deviation of each image coordinate, pixels: one number or M numbers.
     robotTranslationSigma: standard deviation of each coordinate of t_gripper2base.
@@ -62,7 +62,7 @@ Args:
     distCoeffs: k1, k2, p1, p2[, k3] as in OpenCV; None = no distortion.
     lightPlane: nx, ny, nz, d in the camera frame, n.X = d, |n| = 1, d > 0.
     R_cam2gripper: rotation of the camera in the gripper frame, (3, 3) or rotation vector.
-    t_cam2gripper: position of the camera in the gripper frame.
+    t_cam2gripper: position of the camera in the gripper frame, 3 numbers.
     calibrationCovariance: (20, 20), RefineSummary.covariance; None = the calibration counts as exact.
     pixelCovariances: (N, 2, 2) pixels^2, not zero, as from locateOnStripe or findProfileCorners.
     robotTranslationSigma: as in reprojectStripe.

@@ -36,7 +36,7 @@ Returns:
 Raises:
     error: wrong input.
 
-Source: doc/method/measure.md.
+Source: doc/method/profile.md.
 )doc";
 
 const char* const cornersDoc =
@@ -64,7 +64,7 @@ Returns:
 Raises:
     error: wrong input.
 
-Source: doc/method/measure.md.
+Source: doc/method/profile.md.
 )doc";
 
 using LocateResult = py::typing::Tuple<py::array_t<double>, py::array_t<double>>;

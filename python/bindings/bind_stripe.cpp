@@ -28,6 +28,8 @@ Returns:
 Raises:
     error: an empty image, an unsupported type, a background of another shape or type, parameters out of range, a roi
         that is not inside the image.
+
+Source: doc/method/stripe.md.
 )doc";
 
 const char* const splitDoc = R"doc(Straight segments of a stripe, one per plane it crosses.
@@ -46,6 +48,8 @@ Returns:
 
 Raises:
     error: wrong input.
+
+Source: doc/method/stripe.md.
 )doc";
 
 const char* const associateDoc =
@@ -66,7 +70,7 @@ Args:
     cameraMatrix: (3, 3).
     distCoeffs: k1, k2, p1, p2[, k3] as in OpenCV; None = no distortion.
     R_cam2gripper: rotation of the camera in the gripper frame, (3, 3) or rotation vector.
-    t_cam2gripper: position of the camera in the gripper frame.
+    t_cam2gripper: position of the camera in the gripper frame, 3 numbers.
     tolerance: a segment lies on a surface when its points are at most this far from the predicted stripe, pixels.
     searchRadius: tracked points this near to a stripe give its depth, pixels.
 

@@ -35,7 +35,7 @@ Returns:
     R_cam2gripper: (3, 3) rotation from the camera frame to the gripper frame.
     covariance: (8, 8) of fx, fy, cx, cy, skew (pixels) and the rotation error vector in the gripper frame (rad); rows
         of fixed parameters are zero. Covers image noise and, where the residuals show it, jitter of the reported
-            orientations, both estimated; not other errors of the robot.
+        orientations, both estimated; not other errors of the robot.
 
 Raises:
     error: wrong input (StsBadArg, StsBadSize, StsOutOfRange); StsNoConv when the data cannot answer; the text says
@@ -55,6 +55,8 @@ Returns:
 
 Raises:
     error: wrong input.
+
+Source: doc/method/translations.md.
 )doc";
 
 using TranslationsResult = py::typing::Tuple<double, py::array_t<double>, py::array_t<double>, py::array_t<double>>;

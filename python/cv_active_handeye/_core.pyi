@@ -539,7 +539,7 @@ def associateStripes(
         cameraMatrix: (3, 3).
         distCoeffs: k1, k2, p1, p2[, k3] as in OpenCV; None = no distortion.
         R_cam2gripper: rotation of the camera in the gripper frame, (3, 3) or rotation vector.
-        t_cam2gripper: position of the camera in the gripper frame.
+        t_cam2gripper: position of the camera in the gripper frame, 3 numbers.
         tolerance: a segment lies on a surface when its points are at most this far from the predicted stripe, pixels.
         searchRadius: tracked points this near to a stripe give its depth, pixels.
 
@@ -708,7 +708,7 @@ def calibrateHandEyeTranslations(
         R_cam2gripper: (3, 3) rotation from the camera frame to the gripper frame.
         covariance: (8, 8) of fx, fy, cx, cy, skew (pixels) and the rotation error vector in the gripper frame (rad); rows
             of fixed parameters are zero. Covers image noise and, where the residuals show it, jitter of the reported
-                orientations, both estimated; not other errors of the robot.
+            orientations, both estimated; not other errors of the robot.
 
     Raises:
         error: wrong input (StsBadArg, StsBadSize, StsOutOfRange); StsNoConv when the data cannot answer; the text says
@@ -782,6 +782,8 @@ def detectStripe(
     Raises:
         error: an empty image, an unsupported type, a background of another shape or type, parameters out of range, a roi
             that is not inside the image.
+
+    Source: doc/method/stripe.md.
     """
 
 def estimateFOE(
@@ -865,7 +867,7 @@ def findProfileCorners(
     Raises:
         error: wrong input.
 
-    Source: doc/method/measure.md.
+    Source: doc/method/profile.md.
     """
 
 def groupViews(
@@ -883,6 +885,8 @@ def groupViews(
 
     Raises:
         error: wrong input.
+
+    Source: doc/method/translations.md.
     """
 
 def locateOnStripe(
@@ -925,7 +929,7 @@ def locateOnStripe(
     Raises:
         error: wrong input.
 
-    Source: doc/method/measure.md.
+    Source: doc/method/profile.md.
     """
 
 def measureStripePoints(
@@ -964,7 +968,7 @@ def measureStripePoints(
         distCoeffs: k1, k2, p1, p2[, k3] as in OpenCV; None = no distortion.
         lightPlane: nx, ny, nz, d in the camera frame, n.X = d, |n| = 1, d > 0.
         R_cam2gripper: rotation of the camera in the gripper frame, (3, 3) or rotation vector.
-        t_cam2gripper: position of the camera in the gripper frame.
+        t_cam2gripper: position of the camera in the gripper frame, 3 numbers.
         calibrationCovariance: (20, 20), RefineSummary.covariance; None = the calibration counts as exact.
         pixelCovariances: (N, 2, 2) pixels^2, not zero, as from locateOnStripe or findProfileCorners.
         robotTranslationSigma: as in reprojectStripe.
@@ -1178,9 +1182,9 @@ def reprojectStripe(
         distCoeffs: k1, k2, p1, p2[, k3] as in OpenCV; None = no distortion.
         lightPlane: nx, ny, nz, d in the camera frame, n.X = d, |n| = 1, d > 0.
         R_cam2gripper: rotation of the camera in the gripper frame, (3, 3) or rotation vector; None with t_cam2gripper.
-        t_cam2gripper: position of the camera in the gripper frame, in the unit of d.
+        t_cam2gripper: position of the camera in the gripper frame, 3 numbers in the unit of d.
         R_gripper2base: rotation of the gripper in this view, (3, 3) or rotation vector; None with t_gripper2base.
-        t_gripper2base: position of the gripper in this view, in the unit of d.
+        t_gripper2base: position of the gripper in this view, 3 numbers in the unit of d.
         calibrationCovariance: (20, 20), RefineSummary.covariance; infinite variances mark parameters that were not observed.
         pixelSigmas: standard deviation of each image coordinate, pixels: one number or M numbers.
         robotTranslationSigma: standard deviation of each coordinate of t_gripper2base.
@@ -1227,6 +1231,8 @@ def splitStripe(
 
     Raises:
         error: wrong input.
+
+    Source: doc/method/stripe.md.
     """
 
 def verifyHandEye(

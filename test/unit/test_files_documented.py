@@ -92,7 +92,7 @@ def test_page_names_the_events_that_the_code_logs() -> None:
 
 def test_station_files_of_the_tutorial_are_accepted(tmp_path: Path) -> None:
     page = (ROOT / "doc/tutorials/first_calibration.md").read_text(encoding="utf-8")
-    blocks = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)
+    blocks = re.findall(r"```yaml station.yaml\n(.*?)```", page, re.DOTALL)
     stations = []
     for block in blocks:
         (tmp_path / "station.yaml").write_text(block, encoding="utf-8")

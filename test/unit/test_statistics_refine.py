@@ -7,6 +7,8 @@ Few trials with wide limits; `refine.py`, `degenerate.py`, `robust.py`, `opencv_
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -63,8 +65,7 @@ def test_a_scale_that_only_the_errors_of_the_robot_give_is_refused() -> None:
     """Groups of one reported place: the fit shrinks the scene to 6 mm and takes the robot for exact to 0.5 um."""
     answer = degenerate.trial(tiny_translations, 2001, 166)
     assert answer.refused
-    assert "t_cam2gripper along gripper" in answer.text
-    assert "badly determined" in answer.text
+    assert re.search("t_cam2gripper along gripper .*(badly determined|not observed)", answer.text)
 
 
 @pytest.mark.parametrize("name", robust.SPOILERS)

@@ -35,7 +35,7 @@ struct HandEyeState
     HandEyeState moved(const Vector12d& step) const;
 };
 
-//! One view, linearised (doc/method/hand_eye.md).
+//! One view, linearised (doc/method/hand_eye.md, (3), (4)).
 struct HandEyeResidual
 {
     Vector6d value; //!< rotation vector and translation of the target in the camera frame, predicted - given

@@ -15,6 +15,7 @@ LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxItera
     summary.cost = problem.linearize(summary.JtJ, Jtr);
     double damping = 1e-6;
     const double maxDamping = 1e12;
+    const double rounding = 1e-12; // of the cost: a smaller decrease cannot be seen
     for (summary.iterations = 0; summary.iterations < maxIterations && !summary.converged; ++summary.iterations)
     {
         // Marquardt's scaling; the added constant keeps parameters that nothing observes where they are.
@@ -34,7 +35,8 @@ LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxItera
         const double negligible = std::max(tolerance * summary.cost, problem.negligibleDecrease());
         if (!(cost < summary.cost))
         {
-            summary.converged = predictedDecrease <= negligible || damping > maxDamping;
+            summary.converged =
+                predictedDecrease <= std::max(negligible, rounding * summary.cost) || damping > maxDamping;
             damping *= 10;
             continue;
         }

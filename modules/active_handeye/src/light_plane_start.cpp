@@ -8,6 +8,7 @@
 namespace cv { namespace active_handeye {
 
 using Eigen::Matrix3d;
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 
@@ -26,7 +27,7 @@ double offsetFromMotion(const Vector3d& n, const Vector3d& r, const StripeSurfac
             const StripeView& view = surface.views[i];
             const Vector3d p = along.cross(interpretationNormal(view));
             const double pn = p.dot(n), pq = p.dot(q), cn = view.displacement.dot(n), cq = view.displacement.dot(q);
-            const double scale = pass ? std::hypot(h(0) - cn * h(1) - cq * h(2), h(3)) : 1;
+            const double scale = pass ? Vector2d(h(0) - cn * h(1) - cq * h(2), h(3)).norm() : 1;
             const Vector4d row = Vector4d(pn, -pn * cn, -pn * cq, -pq) / std::max(scale, 1e-9);
             M += row * row.transpose();
         }
@@ -41,12 +42,12 @@ double offsetFromMotion(const Vector3d& n, const Vector3d& r, const StripeSurfac
 namespace {
 
 //! Points of the scene on the ends of the lines, in the camera frame of the group's first view.
-struct ScenePoints
+struct SurfacePoints
 {
     AlignedVector<Vector3d> X; //!< two per view
     std::vector<double> weights;
 
-    ScenePoints(const LightPlane& light, const StripeSurface& surface)
+    SurfacePoints(const LightPlane& light, const StripeSurface& surface)
     {
         for (const StripeView& view : surface.views)
             for (const Vector3d& ray : view.rays)
@@ -97,7 +98,7 @@ double agreement(const LightPlane& light, const Matrix3d& K, const StripeSurface
 
 double fitSurface(const LightPlane& light, const Matrix3d& K, StripeSurface& surface)
 {
-    const ScenePoints points(light, surface);
+    const SurfacePoints points(light, surface);
     std::vector<int> agreeing, all;
     for (int v = 0; v < int(surface.views.size()); ++v)
         all.push_back(v);
@@ -126,11 +127,11 @@ double fitSurface(const LightPlane& light, const Matrix3d& K, StripeSurface& sur
 
 namespace {
 
-class StartSearch
+class LightPlaneSearch
 {
 public:
-    StartSearch(const Matrix3d& K, const std::vector<VanishingDirection>& directions,
-                const AlignedVector<Vector3d>& knownPoints, StripeSurfaces& surfaces)
+    LightPlaneSearch(const Matrix3d& K, const std::vector<VanishingDirection>& directions,
+                     const AlignedVector<Vector3d>& knownPoints, StripeSurfaces& surfaces)
         : K_(K), directions_(directions), knownPoints_(knownPoints), surfaces_(surfaces), meanRay_(Vector3d::Zero()),
           bestCost_(std::numeric_limits<double>::infinity())
     {
@@ -219,7 +220,7 @@ private:
 bool startLightPlane(const Matrix3d& K, const std::vector<VanishingDirection>& directions,
                      const AlignedVector<Vector3d>& knownPoints, StripeSurfaces& surfaces, LightPlane& light)
 {
-    return StartSearch(K, directions, knownPoints, surfaces).run(light);
+    return LightPlaneSearch(K, directions, knownPoints, surfaces).run(light);
 }
 
 }} // namespace cv::active_handeye

@@ -99,7 +99,7 @@ void writeCovariances(const Pixels& pixels, const StripeGeometry& geometry, cons
         const Vector3d ray = geometry.camera.ray(pixels[i]);
         Eigen::Map<Matrix3d> covariance(out.ptr<double>(int(i)));
         if (meets(geometry.light, ray))
-            covariance = errors.covariance(StripePoint(geometry, ray),
+            covariance = errors.covariance(ReprojectedPoint(geometry, ray),
                                            pixelSigmas[i] * pixelSigmas[i] * Eigen::Matrix2d::Identity());
         else
             covariance.setConstant(std::numeric_limits<double>::quiet_NaN());

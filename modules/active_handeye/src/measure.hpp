@@ -47,7 +47,7 @@ typedef Eigen::Matrix<double, 3, 2> Matrix32d;
 typedef Eigen::Matrix<double, 3, CALIBRATION_PARAMETERS> PointByCalibration;
 
 //! The point where the ray of a pixel meets the light plane, in the frame of the geometry, and what moves it.
-struct StripePoint
+struct ReprojectedPoint
 {
     Eigen::Vector3d X;
     Eigen::Vector3d arm;              //!< from the flange to the point: errors of the robot's rotation turn it
@@ -55,7 +55,7 @@ struct StripePoint
     PointByCalibration byCalibration; //!< derivative by the calibration
 
     //! `ray`: (x, y, 1) of the pixel.
-    StripePoint(const StripeGeometry& geometry, const Eigen::Vector3d& ray);
+    ReprojectedPoint(const StripeGeometry& geometry, const Eigen::Vector3d& ray);
 };
 
 //! Errors that are known of a measurement, and what they make of points to first order.
@@ -66,16 +66,16 @@ struct MeasurementErrors
     double robotTranslationSigma = 0, robotRotationSigma = 0;
 
     //! Covariance of two points of one view from the error of the robot's pose.
-    Eigen::Matrix3d fromRobot(const StripePoint& a, const StripePoint& b) const;
+    Eigen::Matrix3d fromRobot(const ReprojectedPoint& a, const ReprojectedPoint& b) const;
 
     //! Covariance of two points from the errors of the calibration.
-    Eigen::Matrix3d fromCalibration(const StripePoint& a, const StripePoint& b) const;
+    Eigen::Matrix3d fromCalibration(const ReprojectedPoint& a, const ReprojectedPoint& b) const;
 
     //! Infinite variance for the coordinates that hang on a parameter which was not observed.
-    void markUnobserved(const StripePoint& point, Eigen::Matrix3d& covariance) const;
+    void markUnobserved(const ReprojectedPoint& point, Eigen::Matrix3d& covariance) const;
 
     //! Of one point, with everything.
-    Eigen::Matrix3d covariance(const StripePoint& point, const Eigen::Matrix2d& pixelCovariance) const;
+    Eigen::Matrix3d covariance(const ReprojectedPoint& point, const Eigen::Matrix2d& pixelCovariance) const;
 };
 
 //! The calibration part of the arguments of reprojectStripe and measureStripePoints; the robot's sigmas of 0 or more.

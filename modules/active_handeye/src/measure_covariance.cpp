@@ -33,7 +33,7 @@ PointByCalibration pointByCalibration(const StripeGeometry& geometry, const Vect
 
 } // namespace
 
-StripePoint::StripePoint(const StripeGeometry& geometry, const Vector3d& ray)
+ReprojectedPoint::ReprojectedPoint(const StripeGeometry& geometry, const Vector3d& ray)
 {
     const Pose cam2frame = geometry.cam2frame();
     const LightPlane& light = geometry.light;
@@ -47,18 +47,18 @@ StripePoint::StripePoint(const StripeGeometry& geometry, const Vector3d& ray)
     byCalibration = pointByCalibration(geometry, ray, byRay);
 }
 
-Matrix3d MeasurementErrors::fromRobot(const StripePoint& a, const StripePoint& b) const
+Matrix3d MeasurementErrors::fromRobot(const ReprojectedPoint& a, const ReprojectedPoint& b) const
 {
     return robotTranslationSigma * robotTranslationSigma * Matrix3d::Identity() -
            robotRotationSigma * robotRotationSigma * skew(a.arm) * skew(b.arm);
 }
 
-Matrix3d MeasurementErrors::fromCalibration(const StripePoint& a, const StripePoint& b) const
+Matrix3d MeasurementErrors::fromCalibration(const ReprojectedPoint& a, const ReprojectedPoint& b) const
 {
     return a.byCalibration * calibration * b.byCalibration.transpose();
 }
 
-void MeasurementErrors::markUnobserved(const StripePoint& point, Matrix3d& covariance) const
+void MeasurementErrors::markUnobserved(const ReprojectedPoint& point, Matrix3d& covariance) const
 {
     const PointByCalibration& J = point.byCalibration;
     for (int parameter : unobserved)
@@ -71,7 +71,7 @@ void MeasurementErrors::markUnobserved(const StripePoint& point, Matrix3d& covar
             }
 }
 
-Matrix3d MeasurementErrors::covariance(const StripePoint& point, const Matrix2d& pixelCovariance) const
+Matrix3d MeasurementErrors::covariance(const ReprojectedPoint& point, const Matrix2d& pixelCovariance) const
 {
     Matrix3d result = point.byPixel * pixelCovariance * point.byPixel.transpose() + fromRobot(point, point) +
                       fromCalibration(point, point);

@@ -19,15 +19,15 @@ using Eigen::VectorXd;
 
 namespace {
 
-struct Observation
+struct StripeObservation
 {
     size_t row; //!< of stripePoints
     int view;
-    StripePoint point;
+    ReprojectedPoint point;
     Matrix2d pixelCovariance;
 };
 
-typedef AlignedVector<Observation> Observations;
+typedef AlignedVector<StripeObservation> Observations;
 
 struct CombinedPoint
 {
@@ -45,7 +45,7 @@ MatrixXd jointCovariance(const Observations& seen, const MeasurementErrors& erro
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j)
         {
-            const StripePoint &a = seen[size_t(i)].point, &b = seen[size_t(j)].point;
+            const ReprojectedPoint &a = seen[size_t(i)].point, &b = seen[size_t(j)].point;
             Matrix3d block = errors.fromCalibration(a, b);
             if (seen[size_t(i)].view == seen[size_t(j)].view)
                 block += errors.fromRobot(a, b);
@@ -95,7 +95,7 @@ CombinedPoint combine(const Observations& seen, const MeasurementErrors& errors)
     for (int i = 0; i < n; ++i)
         result.disagreements.push_back(mahalanobis(X.segment<3>(3 * i) - result.X,
                                                    joint.block<3, 3>(3 * i, 3 * i) - result.covariance));
-    for (const Observation& observation : seen)
+    for (const StripeObservation& observation : seen)
         errors.markUnobserved(observation.point, result.covariance);
     return result;
 }
@@ -165,7 +165,8 @@ std::vector<Observations> observe(const Pixels& pixels, const std::vector<int>& 
         geometry.gripper2base = robot[size_t(views[i])];
         if (ids[i] >= int(points.size()))
             points.resize(size_t(ids[i]) + 1);
-        points[size_t(ids[i])].push_back(Observation{i, views[i], StripePoint(geometry, ray), pixelCovariances[i]});
+        points[size_t(ids[i])].push_back(StripeObservation{i, views[i], ReprojectedPoint(geometry, ray),
+                                                           pixelCovariances[i]});
     }
     if (!missed.empty())
         refuseMissed(missed, pixels);

@@ -10,6 +10,7 @@
 namespace cv { namespace active_handeye {
 
 using Eigen::MatrixXd;
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 
@@ -249,7 +250,7 @@ double planHandEyeViews(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_
     const Assumption all(poses, scene, read);
     const ViewInformation information(all.refinement->problem(), scene, pointsOfSearch);
     const double distance = medianDepth(poses, scene);
-    const double radius = 0.5 * std::hypot(imageSize.width, imageSize.height) / scene.calibration.camera.K(0, 0);
+    const double radius = 0.5 * Vector2d(imageSize.width, imageSize.height).norm() / scene.calibration.camera.K(0, 0);
     const GroupDemand demand = demandOf(planParams, read.flags);
     ViewChoice choice(poses, information, demand, information.prior(distance, radius), before,
                       viewsInSight(all.measurements.imagePoints, planParams.seenShare), read.orientationTolerance);

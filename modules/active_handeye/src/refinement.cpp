@@ -9,6 +9,7 @@
 namespace cv { namespace active_handeye {
 
 using Eigen::MatrixXd;
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
@@ -43,14 +44,14 @@ HandEyeRefinement::HandEyeRefinement(const RefineMeasurements& measurements, con
 
 double HandEyeRefinement::misfit() const
 {
-    return std::hypot(rms(), robotNoiseInImage());
+    return Vector2d(rms(), robotNoiseInImage()).norm();
 }
 
 double HandEyeRefinement::robotNoiseInImage() const
 {
     const bool isExact = params_.robotTranslationSigma == 0;
     const double angle =
-        isExact ? 0 : std::hypot(problem_.noise.rotation, problem_.noise.translation / workingDistance());
+        isExact ? 0 : Vector2d(problem_.noise.rotation, problem_.noise.translation / workingDistance()).norm();
     return calibration().camera.K(0, 0) * angle;
 }
 

@@ -107,6 +107,7 @@ private:
     bool isLevelGiven(int component) const;
     bool observesTranslation() const;
 
+    void requireConvergence(double limit) const;
     void requireRedundancy() const;
     std::vector<WeakDirection> weakDirectionsOf(const VarianceComponents& components) const;
     double deviationsHeldByLens();

@@ -18,12 +18,6 @@ static const double weakLimit = 0.005, refusedLimit = 0.02, refusedLimitWithKnow
 void HandEyeRefinement::requireRedundancy() const
 {
     const double smallestRedundancy = 20;
-    if (!converged_)
-        CV_Error(
-            Error::StsNoConv,
-            cv::format("refineHandEye: no convergence after params.maxIterations = %d; needed poses that belong to "
-                       "the images, or a better start",
-                       params_.maxIterations));
     const double largestInflation = 1e11;
     const double inflation = components_->varianceInflation(int(problem_.unknowns.calibration.cols()));
     if (inflation > largestInflation)
@@ -108,22 +102,42 @@ std::vector<WeakDirection> HandEyeRefinement::weakDirectionsOfReportedMotion() c
     return weakDirectionsOf(VarianceComponents(reported, allFixed, noFloors));
 }
 
+static void refuse(const std::string& weak)
+{
+    CV_Error(Error::StsNoConv, "refineHandEye: the data do not determine the result: " + weak);
+}
+
+//! Where the iterations did not end, the motion is to blame if it leaves something open, else the poses or the start are.
+void HandEyeRefinement::requireConvergence(double limit) const
+{
+    if (converged_)
+        return;
+    const std::string open = refusalOf(weakDirectionsOfReportedMotion(), limit);
+    if (!open.empty())
+        refuse(open);
+    CV_Error(Error::StsNoConv,
+             cv::format("refineHandEye: no convergence after params.maxIterations = %d; needed poses that belong to "
+                        "the images, or a better start",
+                        params_.maxIterations));
+}
+
 void HandEyeRefinement::requireAnswer()
 {
     const std::vector<WeakDirection> weak = weakDirectionsOf(*components_);
     for (const WeakDirection& direction : weak)
         weakDirections_.push_back(direction.text);
+    const double limit = tracks_.anyKnown() ? refusedLimitWithKnownPoints : refusedLimit;
+    requireConvergence(limit);
     requireRedundancy();
     const double largestRatio = 1.5;
     const std::vector<WeakDirection>::const_iterator lens = std::find_if(weak.begin(), weak.end(), isLens);
-    const double limit = tracks_.anyKnown() ? refusedLimitWithKnownPoints : refusedLimit;
     std::string refused = refusalOf(weak, limit);
     if (refused.empty())
         refused = refusalOf(weakDirectionsOfReportedMotion(), limit);
     if (refused.empty() && lens != weak.end() && deviationsHeldByLens() > largestRatio)
         refused = lens->text + ", or give distCoeffs or a smaller lensModel: other parameters hang on it";
     if (!refused.empty())
-        CV_Error(Error::StsNoConv, "refineHandEye: the data do not determine the result: " + refused);
+        refuse(refused);
     if (!observesTranslation())
         weakDirections_.push_back(unobservedTranslation(turns_.axis, turns_));
 }

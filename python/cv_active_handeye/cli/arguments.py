@@ -72,6 +72,9 @@ Laser = Annotated[bool, typer.Option("--laser/--no-laser", help="Use laser image
 Track = Annotated[bool, typer.Option("--track", help="Track the images even where image points are stored.")]
 Config = Annotated[Path | None, typer.Option(help="YAML file with settings; the command line overrides it.")]
 Pictures = Annotated[Path | None, typer.Option(help="Folder for pictures of tracks, motion and stripe.")]
+Rerun = Annotated[
+    Path | None, typer.Option("--rerun", help="Recording for the rerun viewer, .rrd: all of it in 3-D (extra viz).")
+]
 Report = Annotated[Path | None, typer.Option(help="HTML report; default: report.html beside the result.")]
 NoReport = Annotated[bool, typer.Option("--no-report", help="Write no HTML report.")]
 

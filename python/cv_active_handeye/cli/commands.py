@@ -14,6 +14,7 @@ from ..calibration import Calibration
 from ..config import CalibrationOptions
 from ..dataset import FILE_NAME, Dataset
 from ..report import picture_view_errors
+from ..report.rerun_log import require_rerun, write_rerun
 from ..workflow import Comparison, calibrate_with_evidence
 from ..workflow import compare as run_comparison
 from ..workflow.pictures import draw_pictures
@@ -123,6 +124,7 @@ def calibrate(
     board: arguments.ReportBoard = None,
     report: arguments.Report = None,
     no_report: arguments.NoReport = False,
+    rerun: arguments.Rerun = None,
 ) -> None:
     """Calibrates camera matrix, lens, R_cam2gripper, t_cam2gripper and, with laser images, the light plane.
 
@@ -144,18 +146,23 @@ def calibrate(
     page = None if no_report else report or output.with_name("report.html")
     with terminal_reporter() as reporter, told_errors(Settings.debug, reporter):
         options = calibration_options(config, camera, distortion, given)
+        if rerun is not None:
+            require_rerun()
         recording = Dataset.open(dataset)
         result, evidence = calibrate_with_evidence(recording, options, reporter)
         output.parent.mkdir(parents=True, exist_ok=True)
         result.save(output)
         if pictures is not None:
             draw_pictures(pictures, recording, result, evidence)
+        if rerun is not None and evidence.summary is not None:
+            write_rerun(rerun, recording, result, evidence)
         if page is not None:
             report_calibration(page, recording, result, evidence, reporter, spec)
     _print_calibration(result, str(output))
     if evidence.summary is not None and result.light_plane is not None:
         out.print(stripe_groups_table(evidence.summary))
     print_lines(f"Written to {output}", *([f"Report: {page}"] if page is not None else []))
+    print_lines(*([f"In three dimensions: rerun {rerun}"] if rerun is not None else []))
     if result.verdict is not None and not result.verdict.usable:
         raise typer.Exit(int(Exit.BEYOND_LIMITS))
 

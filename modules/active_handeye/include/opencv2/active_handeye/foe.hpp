@@ -12,6 +12,7 @@ namespace cv { namespace active_handeye {
 //! @addtogroup active_handeye_foe
 //! @{
 
+//! How estimateFOE treats wrong matches
 enum FOEMethod
 {
     FOE_LEAST_SQUARES = 0, //!< all matches are right: maximum likelihood from all of them
@@ -26,7 +27,7 @@ When the camera translates by c without turning, the image of every fixed scene 
 infinity, therefore it is a homogeneous 3-vector. Its sign is the direction in which the *camera* moved: \f$ K^{-1} e \f$ points from the first
 camera centre to the second, which follows from the scene being in front of the camera.
 
-The estimate minimises the sum of squared orthogonal distances of both points of each match to their common line through e.
+The estimate minimises the sum of squared orthogonal distances of both points of each match to their common line through e. See doc/method/foe.md.
 
 @param[in] points1 N x 2 (or N x 1 x 2) pixels of the first view, without lens distortion.
 @param[in] points2 N x 2 pixels of the same scene points in the second view.

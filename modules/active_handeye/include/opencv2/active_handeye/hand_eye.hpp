@@ -15,7 +15,7 @@ namespace cv { namespace active_handeye {
 //! @addtogroup active_handeye_hand_eye
 //! @{
 
-//! Methods of #calibrateHandEye; the first five are those of cv::calibrateHandEye, with the same numbers
+//! Methods of calibrateHandEye; the first five are those of cv::calibrateHandEye, with the same numbers
 enum HandEyeMethod
 {
     CALIB_HAND_EYE_TSAI = 0,    //!< rotation, then translation, from turns of 17 to 116 degrees @cite Tsai1989
@@ -36,6 +36,7 @@ are needed, hence at least three views. On exact data all methods give the same;
 same name do. Motions that do not determine X, and poses that contradict each other, are refused by every method.
 
 For a camera that is fixed beside the robot (eye-to-hand) pass the inverted robot poses; the result is camera to base.
+See doc/method/hand_eye.md.
 
 @param[in] R_gripper2base V rotations `(3x3)` or rotation vectors, V >= 3.
 @param[in] t_gripper2base V translations of 3 numbers, `(3x1)` or `(1x3)`, any unit of length.
@@ -88,7 +89,9 @@ struct CV_EXPORTS_W_SIMPLE HandEyeSummary
     CV_PROP_RW Mat noiseLevels;
     //! Sum of squared normalised residuals, its degrees of freedom and p-value; NaN unless all noise levels were given:
     //! estimated ones fit by construction.
-    CV_PROP_RW double chiSquare, chiSquareDof, chiSquarePValue;
+    CV_PROP_RW double chiSquare;
+    CV_PROP_RW double chiSquareDof;    //!< degrees of freedom of chiSquare
+    CV_PROP_RW double chiSquarePValue; //!< p-value of chiSquare
 
     CV_PROP_RW Mat R_target2base; //!< `(3x3)`
     CV_PROP_RW Mat t_target2base; //!< `(3x1)`
@@ -113,7 +116,7 @@ result does not depend on the unit of length. See doc/method/hand_eye.md.
 @param[in] t_target2cam V translations, in the unit of t_gripper2base.
 @param[out] R_cam2gripper `(3x3)`.
 @param[out] t_cam2gripper `(3x1)`.
-@param[out] summary see #HandEyeSummary.
+@param[out] summary see HandEyeSummary.
 @param[in] params noise levels.
 @return standard deviation of t_cam2gripper: root of the sum of the three variances.
 @throws cv::Exception as #calibrateHandEye; StsNoConv also when the noise leaves the result open (the direction is named).

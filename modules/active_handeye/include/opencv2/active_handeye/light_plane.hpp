@@ -8,7 +8,7 @@
 
 namespace cv { namespace active_handeye {
 
-//! @addtogroup active_handeye
+//! @addtogroup active_handeye_light_plane
 //! @{
 
 /** @brief Finds the plane of a line laser that is fixed to the camera, from its stripes on unknown planes.
@@ -29,7 +29,7 @@ across the stripe. Use two or more stripe directions: surfaces with different ti
 gripper. One direction alone is accepted only if its many views determine the plane; the covariance tells how well.
 
 Segments that contradict the others (a wrong surface id, a reflection) are left out; the log (level warning) names
-them. When too few remain, the call fails and names them in the error.
+them. When too few remain, the call fails and names them in the error. See doc/method/light_plane.md.
 
 @param[in] R_gripper2base V rotations of the gripper in the robot base frame: `(3x3)` rotation matrices or `(3x1)`
 rotation vectors.

@@ -18,7 +18,7 @@ namespace cv { namespace active_handeye {
 A line through the columns of one piece around the point is several times better than a single column. The line is
 straight in undistorted pixels; the answer is a pixel of the recorded image. Its variance across the stripe is that of
 the weighted fit, raised by the scatter of these columns about the line and by the correlation of neighbours along the
-whole stripe (grain of the laser light, texture), and never below (0.02 px)^2.
+whole stripe (grain of the laser light, texture), and never below (0.02 px)^2. See doc/method/profile.md.
 
 @param[in] stripePoints `(Nx2)` pixels in order along the stripe, as from #detectStripe.
 @param[in] sigmas `(Nx1)` their standard deviations [px], as from #detectStripe.
@@ -45,7 +45,7 @@ CV_EXPORTS_W void locateOnStripe(InputArray stripePoints, InputArray sigmas, Inp
 
 Roots of grooves, edges of plates and fillets. Both pieces are continued as lines, so that a rounded or open root (a
 root gap, a bead) does not matter. The opening angle is measured in the light plane on the side the camera is on: less
-than 180 degrees is a groove, more is a ridge.
+than 180 degrees is a groove, more is a ridge. See doc/method/profile.md.
 
 @param[in] stripePoints `(Nx2)` pixels in order along the stripe, as from #detectStripe.
 @param[in] sigmas `(Nx1)` their standard deviations [px], as from #detectStripe.

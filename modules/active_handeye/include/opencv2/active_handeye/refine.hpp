@@ -15,7 +15,7 @@ namespace cv { namespace active_handeye {
 //! @addtogroup active_handeye_refine
 //! @{
 
-//! What #refineHandEye keeps as it was given
+//! What refineHandEye keeps as it was given
 enum RefineFlags
 {
     REFINE_FIX_K = 1,        //!< cameraMatrix
@@ -89,15 +89,19 @@ struct CV_EXPORTS_W_SIMPLE RefineSummary
     CV_PROP_RW Mat degreesOfFreedom;
     CV_PROP_RW Mat intervals95; //!< `(20x2)` lower and upper end; the rotation error vector is around 0
 
-    CV_PROP_RW double pointSigma, stripeSigma;                   //!< noise levels used; see RefineParams
-    CV_PROP_RW double robotTranslationSigma, robotRotationSigma; //!< noise levels used; see RefineParams
+    CV_PROP_RW double pointSigma;            //!< noise level used, as in RefineParams
+    CV_PROP_RW double stripeSigma;           //!< noise level used, as in RefineParams
+    CV_PROP_RW double robotTranslationSigma; //!< noise level used, as in RefineParams
+    CV_PROP_RW double robotRotationSigma;    //!< noise level used, as in RefineParams
     CV_PROP_RW Mat
         noiseLevels; //!< `(4x4)`: rows as above; level, 95 % interval (lower, upper), 1 when it was estimated
 
-    //! Sum of squared normalised residuals and pose corrections at the noise levels given (RefineParams),
-    //! its degrees of freedom and p-value. Noise levels that were estimated fit by construction: then only the lens tests tell.
-    CV_PROP_RW double chiSquare, chiSquareDof, chiSquarePValue;
-    CV_PROP_RW int lensModel; //!< the #LensModel used
+    //! Sum of squared normalised residuals and pose corrections at the noise levels given (RefineParams); NaN when none was.
+    //! Noise levels that were estimated fit by construction: then only the lens tests tell.
+    CV_PROP_RW double chiSquare;
+    CV_PROP_RW double chiSquareDof;    //!< degrees of freedom of chiSquare
+    CV_PROP_RW double chiSquarePValue; //!< p-value of chiSquare
+    CV_PROP_RW int lensModel;          //!< the #LensModel used
     //! `(5x4)`, one row for LENS_FIXED to LENS_K3: Wald statistic of the coefficients that this model lacks of
     //! LENS_K3, their number, p-value, Akaike's information criterion up to a constant (statistic - 2 x their number).
     CV_PROP_RW Mat lensTests;
@@ -150,7 +154,7 @@ whether the coefficients differ from their start: give only what is known.
 @param[in,out] R_cam2gripper 3 x 3; in: start, or empty.
 @param[in,out] t_cam2gripper 3 x 1; in: start, or empty.
 @param[in,out] lightPlane (nx, ny, nz, d), 4 x 1; in: start, or empty. Out: empty when there are no stripes.
-@param[out] summary see #RefineSummary.
+@param[out] summary see RefineSummary.
 @param[in] stripePoints S straight stripe segments, each M x 2, pixels of the recorded images.
 @param[in] stripeViews S integers: the view each segment was seen in.
 @param[in] surfaceIds S integers: the plane, fixed in the base frame, each segment lies on; -1 = not known (not used).

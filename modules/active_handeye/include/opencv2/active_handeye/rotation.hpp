@@ -12,6 +12,7 @@ namespace cv { namespace active_handeye {
 //! @addtogroup active_handeye_rotation
 //! @{
 
+//! What calibrateHandEyeRotation may answer
 enum RotationFlags
 {
     ROTATION_ALLOW_PARTIAL =
@@ -24,7 +25,8 @@ Every image point gives two equations
 \f[ [m_{ij}]_\times R_{cam2gripper}^T ( R_i^T (X_j - t_i) - t_{cam2gripper} ) = 0 \f]
 that are linear in the scene points X_j and in t_cam2gripper. Each X_j is eliminated; what remains is a 3 x 3 system. Any motion that changes the
 orientation contributes; at least two changes about axes that are not parallel are needed, since for one axis a the matrix R - I has the null vector a
-(the paper's (43) inverts it), and some translation of the gripper, which gives the scale.
+(the paper's (43) inverts it), and some translation of the gripper, which gives the scale. See
+doc/method/rotation.md.
 
 @param[in] R_gripper2base V rotations (3 x 3) or rotation vectors.
 @param[in] t_gripper2base V translations.

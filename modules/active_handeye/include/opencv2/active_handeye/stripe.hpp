@@ -8,7 +8,7 @@
 
 namespace cv { namespace active_handeye {
 
-//! @addtogroup active_handeye
+//! @addtogroup active_handeye_stripe
 //! @{
 
 //! How the stripe runs through the image
@@ -47,6 +47,7 @@ both sides counts. Columns without a clear peak (gaps, shadows, noise, two peaks
 Pixels count in the fit by their variance: noise of the image, and grain of the light (speckle, texture) in proportion
 to the light. The stated standard deviations follow the scatter of the points themselves: third differences of centres
 8 columns apart, over 200 columns to each side; bends of the stripe cancel in these, steps are cut off.
+See doc/method/stripe.md.
 
 One channel of 8 bits without background and a horizontal stripe is the fastest. Memory of the search stays with the
 thread and is used again: a further call with images of the same size and type allocates nothing when the outputs are
@@ -72,6 +73,7 @@ CV_EXPORTS_W void detectStripe(InputArray image, OutputArray stripePoints, Outpu
 
 Works in undistorted pixels. The stripe is cut at gaps, then where one straight line leaves more than half of
 breakDistance, at the place that makes the two parts straightest. Points at the cuts and outliers belong to none.
+See doc/method/stripe.md.
 
 @param[in] stripePoints `(Nx2)` pixels of the distorted image, in order along the stripe, as from #detectStripe.
 @param[in] sigmas `(Nx1)` their standard deviations [px]; empty = all alike.
@@ -80,7 +82,8 @@ breakDistance, at the place that makes the two parts straightest. Points at the 
 @param[out] segmentIds `(Nx1)` int32, 0, 1, ... in order along the stripe; -1 = on no straight segment.
 @param[in] breakDistance a step of this size [px] across the stripe, or a bend that departs as far, starts a new segment.
 @param[in] maxGap neighbouring points farther apart [px] along the stripe belong to different segments.
-@param[in] minPoints shorter segments are left out.
+@param[in] minPoints shorter segments, counted in points, are left out.
+@throws cv::Exception with `StsBadArg`, `StsBadSize`, `StsOutOfRange` for wrong input.
 */
 CV_EXPORTS_W void splitStripe(InputArray stripePoints, InputArray sigmas, InputArray cameraMatrix,
                               InputArray distCoeffs, OutputArray segmentIds, double breakDistance = 0.6,

@@ -12,12 +12,14 @@ namespace cv { namespace active_handeye {
 //! @addtogroup active_handeye_translations
 //! @{
 
+//! What calibrateHandEyeTranslations solves
 enum TranslationsMethod
 {
     TRANSLATIONS_METRIC = 0, //!< from all image points and the lengths of the translations
     TRANSLATIONS_FOE = 1     //!< from the directions of the translations alone (paper, (14)-(18))
 };
 
+//! What calibrateHandEyeTranslations knows of the camera
 enum TranslationsFlags
 {
     TRANSLATIONS_FIX_K = 1,        //!< cameraMatrix is known and is not changed
@@ -34,7 +36,7 @@ every translation from the first view of its group and solves \f$ e_i \sim P b_i
 by RQ decomposition, then flags are applied by constrained least squares on the same quadratic form.
 
 Translations needed: METRIC three not coplanar ones; FOE four of which no three are coplanar; with TRANSLATIONS_FIX_K two not parallel ones. They may be
-spread over groups.
+spread over groups. See doc/method/translations.md.
 
 @param[in] R_gripper2base V rotations (3 x 3) or rotation vectors.
 @param[in] t_gripper2base V translations, any unit of length.
@@ -65,6 +67,7 @@ CV_EXPORTS_W double calibrateHandEyeTranslations(InputArrayOfArrays R_gripper2ba
 /** @brief Groups of views between which the gripper only translated.
 
 A view joins the first group whose first view has the same orientation within orientationTolerance; every view is in one group.
+See doc/method/translations.md.
 
 @param[in] R_gripper2base V rotations (3 x 3) or rotation vectors.
 @param[out] groupIds V x 1, 32-bit; groups are numbered from 0 in the order of their first views.

@@ -36,10 +36,14 @@ struct CV_EXPORTS_W_SIMPLE VerifySummary
     CV_PROP_RW std::string message; //!< the verdict in a sentence
 
     //! Test of the calibration's parameters against the new views: squared length of the shift that the views ask for, in units of
-    //! the covariance of calibration and views together; its degrees of freedom and p-value.
-    CV_PROP_RW double driftChiSquare, driftDof, driftPValue;
+    //! the covariance of calibration and views together.
+    CV_PROP_RW double driftChiSquare;
+    CV_PROP_RW double driftDof;    //!< degrees of freedom of driftChiSquare
+    CV_PROP_RW double driftPValue; //!< p-value of driftChiSquare
     //! Test of the residuals that are left when the parameters may shift: large when noise levels or poses are not as stated.
-    CV_PROP_RW double fitChiSquare, fitDof, fitPValue;
+    CV_PROP_RW double fitChiSquare;
+    CV_PROP_RW double fitDof;    //!< degrees of freedom of fitChiSquare
+    CV_PROP_RW double fitPValue; //!< p-value of fitChiSquare
     CV_PROP_RW Mat
         shift; //!< `(20x1)` shift of the parameters that the new views suggest (order of RefineSummary::parameterNames)
     CV_PROP_RW Mat shiftDeviations; //!< `(20x1)` standard deviations of the shift; 0 = not tested
@@ -48,7 +52,8 @@ struct CV_EXPORTS_W_SIMPLE VerifySummary
     //! [unit of t_gripper2base]. Expected: image noise, robot, calibration. NaN where no point is seen in another view.
     CV_PROP_RW Mat viewErrors;
     CV_PROP_RW std::vector<int> contradictingViews; //!< views whose error is far more than expected
-    CV_PROP_RW int usedObservations, rejectedObservations;
+    CV_PROP_RW int usedObservations;                //!< image points used
+    CV_PROP_RW int rejectedObservations;            //!< image points left out as wrong matches
 };
 
 /** @brief Asks new views whether a calibration is still valid.
@@ -56,7 +61,7 @@ struct CV_EXPORTS_W_SIMPLE VerifySummary
 Scene points are triangulated from the new views with the calibration and the reported poses; nothing of the old scene is
 needed, and few views suffice. The gradient of the likelihood by the calibration's parameters has, if nothing has changed, a known
 covariance: that of the views' noise plus the calibration's own. Its squared length in these units is a chi-square (score
-test). Every view is also predicted from the others, and the error compared with what is expected.
+test). Every view is also predicted from the others, and the error compared with what is expected. See doc/method/verify.md.
 
 @param[in] R_gripper2base V rotations (3 x 3) or rotation vectors.
 @param[in] t_gripper2base V translations, in the unit of t_cam2gripper.
@@ -67,7 +72,7 @@ seen.
 @param[in] R_cam2gripper 3 x 3 rotation or rotation vector.
 @param[in] t_cam2gripper 3 numbers.
 @param[in] covariance 20 x 20 of the calibration, as RefineSummary::covariance.
-@param[out] summary see #VerifySummary.
+@param[out] summary see VerifySummary.
 @param[in] pointSigmas V arrays of N standard deviations of the image points, pixels; empty = all alike.
 @param[in] params noise levels.
 @return RMS error, pixels, of the views predicted from each other.
