@@ -196,8 +196,8 @@ def test_refined_is_the_optimum_that_scipy_finds(robot: tuple[float, float]) -> 
     deviation, R, t, summary = cah.calibrateHandEyeExtended(*poses.arguments, params=params_of(sigmas))
     X, covariance = scipy_solution(poses, sigmas)
     sigma = summary.standardDeviations.ravel()
-    # Errors of the robot enter linearised: a difference of second order.
-    tolerance = 1e-4 if robot[0] < 1e-6 else 1e-2
+    # scipy also lets the arm, which weights the robot's errors, follow the residuals.
+    tolerance = 1e-4 if robot[0] < 1e-6 else 0.1
     turn = Rotation.from_matrix(X[:3, :3] @ R.T).as_rotvec()
     np.testing.assert_array_less(np.abs(np.append(turn, X[:3, 3] - t.ravel())) / sigma, tolerance)
     np.testing.assert_allclose(summary.covariance, covariance, atol=2e-2 * sigma.max() ** 2)

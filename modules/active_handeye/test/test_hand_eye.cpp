@@ -176,14 +176,13 @@ INSTANTIATE_TEST_CASE_P(Methods, ActiveHandEye_HandEye,
 TEST(ActiveHandEye_HandEyeInput, wrong_input_is_refused_by_name)
 {
     const HandEyeScene scene(1);
-    const auto refused = [&](int code, const vector<string>& parts, const std::function<void(HandEyeScene&)>& spoil,
-                             int method = CALIB_HAND_EYE_TSAI)
+    const auto refused = [&](int code, const vector<string>& parts, const std::function<void(HandEyeScene&)>& spoil)
     {
         HandEyeScene spoilt = scene;
         spoil(spoilt);
-        expectError([&] { calibrate(spoilt, method); }, code, parts);
+        expectError([&] { calibrate(spoilt, CALIB_HAND_EYE_TSAI); }, code, parts);
     };
-    refused(Error::StsOutOfRange, {"method", "given 99"}, [](HandEyeScene&) {}, 99);
+    expectError([&] { calibrate(scene, 99); }, Error::StsOutOfRange, {"method: needed", "given 99"});
     refused(Error::StsBadSize, {"t_gripper2base: needed one translation", "given 9"},
             [](HandEyeScene& s) { s.t_gripper2base.pop_back(); });
     refused(Error::StsBadSize, {"t_target2cam: needed one translation", "given 9"},
