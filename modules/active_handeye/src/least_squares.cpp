@@ -15,7 +15,7 @@ LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxItera
     summary.cost = problem.linearize(summary.JtJ, Jtr);
     double damping = 1e-6;
     const double maxDamping = 1e12;
-    const double rounding = 1e-12; // of the cost: a smaller decrease cannot be seen
+    const double rounding = 1e-12; // of the cost; a decrease below it cannot be seen
     for (summary.iterations = 0; summary.iterations < maxIterations && !summary.converged; ++summary.iterations)
     {
         // Marquardt's scaling; the added constant keeps parameters that nothing observes where they are.
@@ -35,8 +35,8 @@ LeastSquaresSummary solveLeastSquares(LeastSquaresProblem& problem, int maxItera
         const double negligible = std::max(tolerance * summary.cost, problem.negligibleDecrease());
         if (!(cost < summary.cost))
         {
-            summary.converged =
-                predictedDecrease <= std::max(negligible, rounding * summary.cost) || damping > maxDamping;
+            const bool isHidden = damping < 1 && predictedDecrease <= rounding * summary.cost;
+            summary.converged = predictedDecrease <= negligible || isHidden || damping > maxDamping;
             damping *= 10;
             continue;
         }
