@@ -18,7 +18,6 @@ from cv_active_handeye.cli.console import Exit
 from cv_active_handeye.cli.planning import millimetres, start_from
 from cv_active_handeye.plan_file import Plan
 from cv_active_handeye.simulation import CellConfig, SimulatedCell
-from cv_active_handeye.workflow.plan_settings import PlanSettings
 
 
 def pose_text() -> str:
@@ -116,9 +115,3 @@ def test_start_joints_are_those_of_the_arm() -> None:
     found = start_from("ur5e", ",".join(str(x) for x in np.degrees(JOINTS)), None)
     assert found.model == "ur5e"
     np.testing.assert_allclose(found.T_gripper2base, flange(JOINTS), atol=1e-12)
-
-
-def test_example_settings_of_the_pages_are_right() -> None:
-    page = (Path(__file__).parents[2] / "doc/files.md").read_text(encoding="utf-8")
-    block = page.split("The settings of `plan` are a file")[1].split("```yaml\n")[1].split("```")[0]
-    PlanSettings.model_validate(yaml.safe_load(block))
