@@ -124,3 +124,30 @@ def test_recording_without_what_a_sample_needs_is_refused(
         (dataset.folder / "image_points.csv").write_text(content)
     done = sample(program, dataset.folder)
     assert (done.returncode, told in done.stderr) == (4, True), done.stderr
+
+
+def test_the_sample_of_the_module_finds_the_camera_of_its_own_scene() -> None:
+    done = sample("target_free_hand_eye")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("usable: ")
+    assert float(done.stdout.split("t_cam2gripper is off by ")[1].split()[0]) < 0.3
+
+
+def test_the_sample_of_the_module_reads_a_recording(tmp_path: Path) -> None:
+    truth, file = exact_recording(), tmp_path / "recording.yml"
+    storage = cv2.FileStorage(str(file), cv2.FILE_STORAGE_WRITE)
+    for name in ("R_gripper2base", "t_gripper2base", "imagePoints"):
+        storage.startWriteStruct(name, cv2.FileNode_SEQ)
+        for matrix in getattr(truth, name):
+            storage.write("", matrix)
+        storage.endWriteStruct()
+    storage.release()
+    done = sample("target_free_hand_eye", file)
+    assert done.returncode == 0, done.stderr
+    found = np.array(done.stdout.split("t_cam2gripper [")[1].split("]")[0].split(","), np.float64)
+    np.testing.assert_allclose(found, truth.t_cam2gripper, atol=1e-6)
+
+
+def test_the_sample_of_the_module_says_what_is_wrong(tmp_path: Path) -> None:
+    done = sample("target_free_hand_eye", tmp_path / "none.yml")
+    assert (done.returncode, "cannot read" in done.stderr) == (2, True)
