@@ -76,8 +76,8 @@ def understand_own_command(words: list[str]) -> None:
 
 
 def understand_make(words: list[str]) -> None:
-    targets = re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
-    assert set(words[1:]) <= set(targets)
+    rules = re.findall(r"^([\w -]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+    assert set(words[1:]) <= {target for rule in rules for target in rule.split()}
 
 
 def understand_pip(words: list[str]) -> None:
