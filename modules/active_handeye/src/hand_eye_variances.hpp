@@ -27,7 +27,10 @@ public:
     //! Of the 12 unknowns.
     const Matrix12d& covariance() const { return covariance_; }
 
-    //! Squared length of the step from the linearisation to the optimum, in standard deviations.
+    //! From the linearisation to the optimum.
+    Vector12d step() const { return -covariance_ * gradient_; }
+
+    //! Squared length of this step in standard deviations.
     double squaredStep() const { return gradient_.dot(covariance_ * gradient_); }
 
     double chiSquare() const { return chiSquare_; }
