@@ -80,7 +80,7 @@ public:
 
     std::vector<Part> run()
     {
-        for (size_t begin = 0, end; begin < points_.size(); begin = end)
+        for (size_t begin = 0, end = 0; begin < points_.size(); begin = end)
         {
             end = begin + 1;
             while (end < points_.size() && (points_[end] - points_[end - 1]).norm() <= maxGap_)
