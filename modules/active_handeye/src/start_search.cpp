@@ -38,7 +38,12 @@ void requireMotion(const RefineMeasurements& measurements, const RefineParams& p
     double farthest = 0;
     for (const Pose& pose : poses)
         farthest = std::max(farthest, (pose.t - poses[0].t).norm());
-    if (measurements.objectPoints.empty() && !(farthest > smallestShare * poses[0].t.norm()))
+    const bool stayed = !(farthest > smallestShare * poses[0].t.norm());
+    if (stayed && turns.observed.cols() == 0)
+        CV_Error(Error::StsNoConv,
+                 "R_gripper2base, t_gripper2base: the gripper did not move; needed views at different "
+                 "places and of different orientations, given one pose in all views");
+    if (stayed && measurements.objectPoints.empty())
         CV_Error(
             Error::StsNoConv,
             "t_gripper2base: the gripper only turned, which leaves the scale of t_cam2gripper open; needed views at "

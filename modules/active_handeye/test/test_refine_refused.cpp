@@ -198,6 +198,7 @@ TEST(ActiveHandEye_RefineRefused, motions_that_do_not_determine_the_result)
     const vector<Vec3d> turns = {Vec3d(0, 0, 0), Vec3d(0.35, 0, 0), Vec3d(0, 0.3, 0.4)};
     expectUndetermined(turns, {Vec3d(0, 0, 0)},
                        {"R_gripper2base", "no two views have equal orientation", "views 0 and 1 come nearest"});
+    expectUndetermined({turns[0]}, vector<Vec3d>(6, Vec3d()), {"the gripper did not move", "given one pose"});
     expectUndetermined({turns[0]}, {Vec3d(0, 0, 0), Vec3d(40, 0, 0)},
                        {"t_gripper2base", "parallel", "in base coordinates", "add"});
     expectUndetermined({turns[0]}, {Vec3d(0, 0, 0), Vec3d(50, 5, 20), Vec3d(-10, 45, -25)}, {"coplanar", "add"});
