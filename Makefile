@@ -69,11 +69,10 @@ test-cpp: setup
 	-@scripts/system-packages $(PYTHON) test
 	@cmake -S . -B $(BUILD) -DACTIVE_HANDEYE_BUILD_TESTS=ON -DACTIVE_HANDEYE_BUILD_SAMPLES=ON >$(BUILD)/configure.log || { cat $(BUILD)/configure.log; exit 1; }
 	@cmake --build $(BUILD) --target tests
-	$(BUILD)/bin/active_handeye_test --gtest_brief=1
-	$(BUILD)/bin/active_handeye_test_internal --gtest_brief=1
+	ctest --test-dir $(BUILD) --parallel $(JOBS) --output-on-failure
 
 test-python: test-cpp
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(JOBS) --dist loadfile
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder
 
 lint: setup
 	git ls-files -z '*.cpp' '*.hpp' | xargs -0 $(BIN)/clang-format --dry-run -Werror
@@ -98,11 +97,7 @@ gallery: setup
 sanitize: setup
 	@cmake --preset asan-ubsan >/dev/null
 	@cmake --build --preset asan-ubsan
-	@echo "Running the C++ tests in $(JOBS) processes"
-	@for part in $$(seq 0 $$(($(JOBS) - 1))); do \
-	  GTEST_TOTAL_SHARDS=$(JOBS) GTEST_SHARD_INDEX=$$part build/asan-ubsan/bin/active_handeye_test --gtest_brief=1 & parts="$$parts $$!"; \
-	done; for part in $$parts; do wait $$part || failed=1; done; test -z "$$failed"
-	build/asan-ubsan/bin/active_handeye_test_internal --gtest_brief=1
+	@ctest --preset asan-ubsan --parallel $(JOBS)
 
 fuzz: setup $(VENV)/.fuzz
 	@cmake --preset asan-ubsan -DACTIVE_HANDEYE_BUILD_FUZZERS=ON >/dev/null
@@ -150,7 +145,7 @@ clang: setup
 	@scripts/system-packages $(PYTHON) clang
 	@cmake --preset clang >/dev/null
 	@cmake --build --preset clang
-	@ctest --preset clang
+	@ctest --preset clang --parallel $(JOBS)
 
 tidy: setup $(VENV)/.tidy
 	@cmake --preset tidy -Dpybind11_DIR="$$($(BIN)/python -m pybind11 --cmakedir)" >/dev/null

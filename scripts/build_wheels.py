@@ -14,7 +14,6 @@ import os
 import shutil
 import subprocess
 import sys
-import tarfile
 from pathlib import Path
 
 from opencv_source import ROOT
@@ -40,8 +39,8 @@ def unpack(archive: Path) -> Path:
     """The source package as a folder, always the same one; files that did not change keep their time."""
     fresh, source = FOLDER / "fresh", FOLDER / "source"
     shutil.rmtree(fresh, ignore_errors=True)
-    with tarfile.open(archive) as content:
-        content.extractall(fresh)
+    fresh.mkdir()
+    subprocess.run(["tar", "-xzf", str(archive), "-C", str(fresh)], check=True)
     (unpacked,) = fresh.iterdir()
     _keep_times(source, unpacked)
     shutil.rmtree(source, ignore_errors=True)

@@ -16,7 +16,10 @@ PERF_TEST_P(StripeFrame, detectStripe,
     stripe.rows = get<0>(GetParam()).height;
     stripe.cols = get<0>(GetParam()).width;
     stripe.type = get<1>(GetParam());
-    stripe.noise = 1;
+    const double grey = stripe.type == CV_16U ? 257 : 1;
+    stripe.height *= grey;
+    stripe.offset *= grey;
+    stripe.noise = grey;
     const Mat image = stripe.render(true);
     Mat points, sigmas;
     TEST_CYCLE() detectStripe(image, points, sigmas);

@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "foe.hpp"
+#include "decompositions.hpp"
 #include "least_squares.hpp"
 #include "normalization.hpp"
 
@@ -117,7 +118,7 @@ Vector3d linearFOE(const Matches& matches, const std::vector<uchar>& inliers, in
             const double T = (e.head<2>() - e.z() * m.x1).squaredNorm() + (e.head<2>() - e.z() * m.x2).squaredNorm();
             A += m.line * m.line.transpose() / (pass == 0 ? 1. : T + 1e-12);
         }
-        e = Eigen::SelfAdjointEigenSolver<Matrix3d>(A).eigenvectors().col(0);
+        e = symmetricEigen(A).eigenvectors().col(0);
     }
     return e;
 }
@@ -197,7 +198,7 @@ double medianDisplacement(const Pixels& points1, const Pixels& points2, const st
 void requireDetermined(const Eigen::Matrix2d& JtJ, double sigma, double scale, double displacement,
                        const std::string& source)
 {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(JtJ, Eigen::EigenvaluesOnly);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen = symmetricEigen(JtJ);
     const double weakest = eigen.eigenvalues()[0], strongest = eigen.eigenvalues()[1];
     const double maxDeviation = 0.3; // of the direction in normalised coordinates, about 17 degrees on the image
     const bool determined = weakest > 1e-10 * strongest && sigma * scale < maxDeviation * std::sqrt(weakest);

@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "hand_eye_closed_forms.hpp"
+#include "decompositions.hpp"
 
 namespace cv { namespace active_handeye {
 
@@ -89,7 +90,7 @@ Matrix3d rotationOfTsai(const HandEyeMotions& motions)
         A.middleRows<3>(3 * k) = skew(gripper + camera);
         b.segment<3>(3 * k) = camera - gripper;
     }
-    const Eigen::JacobiSVD<MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const Eigen::JacobiSVD<MatrixXd> svd = thinSVD(A);
     if (!(svd.singularValues()(2) > 1e-12 * svd.singularValues()(0)))
         CV_Error(
             Error::StsNoConv,
@@ -123,7 +124,7 @@ Pose horaud(const HandEyeMotions& motions)
             leftProduct(quaternionOf(motion.gripper.R)) - rightProduct(quaternionOf(motion.camera.R));
         S += difference.transpose() * difference;
     }
-    const Matrix3d R = rotationOf(Eigen::SelfAdjointEigenSolver<Matrix4d>(S).eigenvectors().col(0));
+    const Matrix3d R = rotationOf(symmetricEigen<MatrixXd>(S).eigenvectors().col(0));
     return Pose{R, translationOf(motions, R)};
 }
 
@@ -145,7 +146,7 @@ Pose andreff(const HandEyeMotions& motions)
         A.block<3, 3>(12 * k + 9, 9) = Matrix3d::Identity() - gripper.R;
         b.segment<3>(12 * k + 9) = gripper.t;
     }
-    const VectorXd x = A.colPivHouseholderQr().solve(b);
+    const VectorXd x = leastSquaresSolution(A, b);
     const Matrix3d M = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(x.data());
     if (!(std::abs(M.determinant()) > 1e-6))
         CV_Error(
@@ -195,7 +196,7 @@ Pose daniilidis(const HandEyeMotions& motions)
         T.block<3, 4>(6 * k + 3, 0) = dual;
         T.block<3, 4>(6 * k + 3, 4) = real;
     }
-    const Eigen::JacobiSVD<MatrixXd> svd(T, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const Eigen::JacobiSVD<MatrixXd> svd = thinSVD(T);
     const Vector8d q = unitCombination(svd.matrixV().col(6), svd.matrixV().col(7));
     Vector4d conjugate = -q.head<4>();
     conjugate(0) = q(0);
@@ -233,7 +234,7 @@ Vector3d translationOf(const HandEyeMotions& motions, const Matrix3d& R_cam2grip
         A.middleRows<3>(3 * k) = motions[k].gripper.R - Matrix3d::Identity();
         b.segment<3>(3 * k) = R_cam2gripper * motions[k].camera.t - motions[k].gripper.t;
     }
-    return A.colPivHouseholderQr().solve(b);
+    return leastSquaresSolution(A, b);
 }
 
 Pose handEyeClosedForm(const HandEyeMotions& motions, HandEyeMethod method)

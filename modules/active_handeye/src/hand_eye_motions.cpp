@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "hand_eye_motions.hpp"
+#include "decompositions.hpp"
 #include "hand_eye_closed_forms.hpp"
 #include "numbers.hpp"
 #include "turn_directions.hpp"
@@ -157,7 +158,7 @@ void requireSameUnit(const HandEyeMotions& motions)
         A.middleRows<3>(3 * k) << motions[k].gripper.R - Matrix3d::Identity(), -R * motions[k].camera.t;
         b.segment<3>(3 * k) = -motions[k].gripper.t;
     }
-    const Eigen::Vector4d x = A.colPivHouseholderQr().solve(b);
+    const Eigen::Vector4d x = leastSquaresSolution(A, b);
     const double unit = std::max(x(3), 1 / x(3)), misfit = (A * x - b).norm();
     const double misfitAsGiven = (A.leftCols<3>() * translationOf(motions, R) + A.col(3) - b).norm();
     if (x(3) > 0 && unit > 300 && unit < 3000 && misfit < 0.1 * misfitAsGiven)

@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "hand_eye_variances.hpp"
+#include "decompositions.hpp"
 #include "distributions.hpp"
 
 namespace cv { namespace active_handeye {
@@ -108,7 +109,7 @@ NoiseMatrix HandEyeVariances::inverseOfActive(NoiseMatrix information) const
             information.col(k).setZero();
             information(k, k) = 1;
         }
-    NoiseMatrix inverse = information.ldlt().solve(NoiseMatrix::Identity());
+    NoiseMatrix inverse = inverseOfSymmetric(information);
     for (int k = 0; k < HAND_EYE_NOISES; ++k)
         if (!isActive(k))
             inverse(k, k) = 0;

@@ -64,6 +64,8 @@ std::vector<Pixels> idealPixels(std::vector<Pixels> recorded, const Camera& came
 template <typename Derived>
 void writeMatrix(const Eigen::MatrixBase<Derived>& matrix, OutputArray out)
 {
+    if (!out.fixedSize())
+        out.release(); // an array that was also an input keeps its values
     out.create(int(matrix.rows()), int(matrix.cols()), CV_64F);
     Mat m = out.getMat();
     for (int i = 0; i < int(matrix.rows()); ++i)

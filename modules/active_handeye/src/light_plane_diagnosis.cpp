@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "light_plane_diagnosis.hpp"
+#include "decompositions.hpp"
 
 namespace cv { namespace active_handeye {
 
@@ -53,7 +54,7 @@ struct Movement
             const Eigen::Vector2d c = basis.transpose() * view.displacement;
             scatter += c * c.transpose();
         }
-        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(scatter);
+        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen = symmetricEigen(scatter);
         across = eigen.eigenvalues().cwiseMax(0.).cwiseSqrt();
         missing = basis * eigen.eigenvectors().col(0);
     }

@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "light_plane_start.hpp"
+#include "decompositions.hpp"
 
 namespace cv { namespace active_handeye {
 
@@ -31,7 +32,7 @@ double offsetFromMotion(const Vector3d& n, const Vector3d& r, const StripeSurfac
             const Vector4d row = Vector4d(pn, -pn * cn, -pn * cq, -pq) / std::max(scale, 1e-9);
             M += row * row.transpose();
         }
-        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(M);
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen = symmetricEigen<Eigen::MatrixXd>(M);
         if (eigen.eigenvalues()(1) <= 1e-14 * eigen.eigenvalues()(3))
             return std::numeric_limits<double>::quiet_NaN();
         h = eigen.eigenvectors().col(0);

@@ -5,6 +5,7 @@
 // Points seen in several views: generalised least squares over what each view says alone.
 #include "precomp.hpp"
 #include "measure.hpp"
+#include "decompositions.hpp"
 #include "numbers.hpp"
 #include "refine_input.hpp"
 #include "stripe_lines.hpp"
@@ -88,8 +89,8 @@ CombinedPoint combine(const Observations& seen, const MeasurementErrors& errors)
         design.block<3, 3>(3 * i, 0).setIdentity();
         X.segment<3>(3 * i) = seen[size_t(i)].point.X;
     }
-    const MatrixXd weighted = joint.ldlt().solve(design);
-    result.covariance = (design.transpose() * weighted).inverse();
+    const MatrixXd weighted = solveSymmetric(joint, design);
+    result.covariance = Matrix3d(design.transpose() * weighted).inverse();
     result.covariance = (0.5 * (result.covariance + result.covariance.transpose())).eval();
     result.X = result.covariance * (weighted.transpose() * X);
     for (int i = 0; i < n; ++i)

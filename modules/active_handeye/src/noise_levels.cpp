@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "noise_levels.hpp"
+#include "decompositions.hpp"
 
 namespace cv { namespace active_handeye {
 
@@ -161,7 +162,7 @@ void VarianceComponents::updateInformation()
             information.col(k).setZero();
             information(k, k) = 1;
         }
-    logVarianceCovariance_ = information.ldlt().solve(Matrix4d::Identity());
+    logVarianceCovariance_ = inverseOfSymmetric(information);
     for (int k = 0; k < NOISE_COMPONENTS; ++k)
         if (!isFree_[k] || isAtFloor_[k])
             logVarianceCovariance_(k, k) = 0;

@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "observability.hpp"
+#include "decompositions.hpp"
 
 namespace cv { namespace active_handeye {
 
@@ -91,7 +92,8 @@ std::vector<WeakDirection> findWeakDirections(const MatrixXd& information, const
 {
     const CalibrationStep units = naturalUnits(calibration, workingDistance, imageRadius);
     const Eigen::VectorXd scale = unitsOf(basis, units);
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scale.asDiagonal() * information * scale.asDiagonal());
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen =
+        symmetricEigen<MatrixXd>(scale.asDiagonal() * information * scale.asDiagonal());
     std::vector<WeakDirection> weak;
     for (int i = 0; i < basis.cols(); ++i)
     {

@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "least_squares.hpp"
+#include "decompositions.hpp"
 #include "projection.hpp"
 
 namespace cv { namespace active_handeye {
@@ -144,7 +145,7 @@ Projection ProjectionSolver::linearStart(const Matrix9d& S) const
     MatrixXd span = MatrixXd::Zero(9, 3 * r);
     for (int row = 0; row < 3; ++row)
         span.block(3 * row, r * row, 3, r) = directions_;
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(span.transpose() * S * span);
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen = symmetricEigen<MatrixXd>(span.transpose() * S * span);
     const Vector9d p = span * eigen.eigenvectors().col(0);
     const Matrix3d P = T_.inverse() * toMatrix(p);
     Projection start;
@@ -180,7 +181,7 @@ MatrixXd ProjectionSolver::covariance(const Projection& projection, const Matrix
     // Pixels and radians differ by orders of magnitude: scale to a unit diagonal before the inversion.
     const VectorXd scale = JtJ.diagonal().cwiseSqrt().cwiseInverse();
     const MatrixXd scaled = scale.asDiagonal() * JtJ * scale.asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scaled);
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen = symmetricEigen(scaled);
     const double rounding = 1e-15;
     const MatrixXd root = free_ * scale.asDiagonal() * eigen.eigenvectors() *
                           eigen.eigenvalues().cwiseMax(rounding).cwiseSqrt().cwiseInverse().asDiagonal();

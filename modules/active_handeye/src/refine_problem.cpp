@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "refine_problem.hpp"
+#include "decompositions.hpp"
 #include "residuals.hpp"
 
 namespace cv { namespace active_handeye {
@@ -96,7 +97,7 @@ PointStep RefineProblem::stepOfPoint(int track, const CameraViews& views, const 
         result.cost += huberCost(r);
         result.isClipped |= isClipped;
     }
-    result.next -= A.ldlt().solve(b);
+    result.next -= solveSymmetric(A, b);
     return result;
 }
 

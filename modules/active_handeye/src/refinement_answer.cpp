@@ -5,6 +5,7 @@
 // Whether the data determine an answer, and what they lack.
 #include "precomp.hpp"
 #include "observability.hpp"
+#include "decompositions.hpp"
 #include "refinement.hpp"
 
 namespace cv { namespace active_handeye {
@@ -46,8 +47,8 @@ std::vector<WeakDirection> HandEyeRefinement::weakDirectionsOf(const VarianceCom
     for (const PointObservation& o : tracks_.observations)
         if (o.used)
             imageRadius = std::max(imageRadius, camera.ray(o.pixel).head<2>().norm());
-    return findWeakDirections(covariance.ldlt().solve(MatrixXd::Identity(B.cols(), B.cols())), B, calibration(),
-                              workingDistance(), imageRadius, turns_, weakLimit);
+    return findWeakDirections(inverseOfSymmetric(covariance), B, calibration(), workingDistance(), imageRadius, turns_,
+                              weakLimit);
 }
 
 static bool isLens(const WeakDirection& weak)

@@ -5,6 +5,7 @@
 // Which lens distortion the data show.
 #include "precomp.hpp"
 #include "distributions.hpp"
+#include "decompositions.hpp"
 #include "refinement.hpp"
 
 namespace cv { namespace active_handeye {
@@ -34,8 +35,9 @@ void HandEyeRefinement::testLens()
         const int lacking = 5 - lensCoefficients(model);
         LensTest& test = lensTests_[model];
         test.lacking = lacking;
-        test.statistic = coefficients.tail(lacking).dot(
-            covariance.bottomRightCorner(lacking, lacking).ldlt().solve(coefficients.tail(lacking)));
+        test.statistic =
+            coefficients.tail(lacking).dot(solveSymmetric<VectorXd>(covariance.bottomRightCorner(lacking, lacking),
+                                                                    coefficients.tail(lacking)));
         test.pValue = lacking ? chiSquareTail(test.statistic, lacking) : 1;
     }
     lensModel_ = chosen;

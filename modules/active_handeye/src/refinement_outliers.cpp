@@ -5,6 +5,7 @@
 // Wrong matches, views whose pose is wrong, and the first noise levels.
 #include "precomp.hpp"
 #include "distributions.hpp"
+#include "decompositions.hpp"
 #include "refinement.hpp"
 #include "view_pose.hpp"
 
@@ -195,7 +196,7 @@ double HandEyeRefinement::viewStatistic(int view, const Matrix6d& predicted) con
 {
     const Vector6d prior = priorCovariance().diagonal().cwiseSqrt();
     const Matrix6d scaled = prior.cwiseInverse().asDiagonal() * predicted * prior.cwiseInverse().asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen = symmetricEigen<Eigen::MatrixXd>(scaled);
     const Vector6d along = eigen.eigenvectors().transpose() * problem_.correction(view).cwiseQuotient(prior);
     double sum = 0;
     for (int i = 0; i < 6; ++i)

@@ -5,6 +5,7 @@
 // The verdict, and everything that supports it.
 #include "precomp.hpp"
 #include "distributions.hpp"
+#include "decompositions.hpp"
 #include "refinement.hpp"
 #include "residuals.hpp"
 
@@ -176,7 +177,7 @@ void HandEyeRefinement::summarizeVerdict(RefineSummary& summary) const
     const int f = int(problem_.unknowns.calibration.cols());
     summary.workingDistance = workingDistance();
     MatrixXd tool = toolCovariance(problem_, components_->covariance().topLeftCorner(f, f), summary.workingDistance);
-    const double deviation = std::sqrt(Eigen::SelfAdjointEigenSolver<MatrixXd>(tool).eigenvalues()(2));
+    const double deviation = std::sqrt(symmetricEigen(tool).eigenvalues()(2));
     if (!observesTranslation())
         markUnobserved(turns_, tool);
     writeMatrix(tool, summary.toolCovariance);

@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "closed_forms.hpp"
+#include "decompositions.hpp"
 #include "motion_groups.hpp"
 #include "normalization.hpp"
 #include "track_fit.hpp"
@@ -61,7 +62,7 @@ public:
     {
         const MatrixXd A = observed_.transpose() * S.topLeftCorner<3, 3>() * observed_;
         Vector4d p;
-        p << -observed_ * A.ldlt().solve(observed_.transpose() * S.topRightCorner<3, 1>()), 1;
+        p << -observed_ * solveSymmetric<Eigen::VectorXd>(A, observed_.transpose() * S.topRightCorner<3, 1>()), 1;
         return p;
     }
 
@@ -73,7 +74,7 @@ public:
     Matrix3d covariance(const Matrix4d& S, double sigma) const
     {
         const MatrixXd A = observed_.transpose() * S.topLeftCorner<3, 3>() * observed_;
-        return sigma * sigma * observed_ * A.inverse() * observed_.transpose();
+        return sigma * sigma * observed_ * inverseOfSymmetric(A) * observed_.transpose();
     }
 
     double length = 0; //!< unit of length of the problem

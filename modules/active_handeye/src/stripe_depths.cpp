@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "stripe_depths.hpp"
+#include "decompositions.hpp"
 
 namespace cv { namespace active_handeye {
 
@@ -26,7 +27,7 @@ static ScenePoint nearestToRays(const AlignedVector<Vector3d>& origins, const Al
     const double parallax = std::sqrt(std::max(0., eigen.eigenvalues()(0)));
     if (origins.size() < 2 || parallax < leastParallax)
         return ScenePoint{Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()), 0};
-    return ScenePoint{A.ldlt().solve(b), parallax};
+    return ScenePoint{solveSymmetric(A, b), parallax};
 }
 
 ScenePoints triangulate(const std::vector<Pixels>& imagePoints, const Camera& camera,
@@ -113,7 +114,7 @@ Vector3d solveInverseDepths(const AlignedVector<StripeDepth>& depths, const std:
         A += depths[i].ray * depths[i].ray.transpose();
         b += depths[i].inverseDepth * depths[i].ray;
     }
-    return A.ldlt().solve(b);
+    return solveSymmetric(A, b);
 }
 
 std::vector<int> agreeing(const AlignedVector<StripeDepth>& depths, const Vector3d& mu, double focal, double tolerance)

@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "stripe_lines.hpp"
+#include "decompositions.hpp"
 
 namespace cv { namespace active_handeye {
 
@@ -19,7 +20,7 @@ StripeLine fitStripeLine(const Pixels& idealPixels)
     Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
     for (const Eigen::Vector2d& pixel : idealPixels)
         scatter += (pixel - line.centre) * (pixel - line.centre).transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(scatter);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen = symmetricEigen(scatter);
     line.direction = eigen.eigenvectors().col(1);
     line.halfLength = std::sqrt(scatter.trace() / line.points);
     line.squares = 0;

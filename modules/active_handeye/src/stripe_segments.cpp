@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "input.hpp"
+#include "decompositions.hpp"
 
 namespace cv { namespace active_handeye {
 
@@ -97,7 +98,7 @@ public:
     double distance(const Part& part, size_t i) const
     {
         const Matrix2d S = sums_.scatter(part.begin, part.end);
-        const Vector2d normal = Eigen::SelfAdjointEigenSolver<Matrix2d>(S).eigenvectors().col(0);
+        const Vector2d normal = symmetricEigen(S).eigenvectors().col(0);
         return normal.dot(points_[i] - sums_.mean(part.begin, part.end));
     }
 
@@ -106,7 +107,7 @@ private:
     bool isStraight(const Part& part) const
     {
         const Matrix2d S = sums_.scatter(part.begin, part.end);
-        const Vector2d normal = Eigen::SelfAdjointEigenSolver<Matrix2d>(S).eigenvectors().col(0);
+        const Vector2d normal = symmetricEigen(S).eigenvectors().col(0);
         const Vector2d mean = sums_.mean(part.begin, part.end);
         const size_t window = std::min<size_t>(5, part.size());
         std::vector<double> values(window);

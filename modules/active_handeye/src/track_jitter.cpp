@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "track_jitter.hpp"
+#include "decompositions.hpp"
 
 namespace cv { namespace active_handeye {
 
@@ -19,13 +20,13 @@ static MatrixXd withPrecision(const MatrixXd& jj, double precision)
 template <int Q>
 Eigen::Matrix<double, Q, Q> JitterForm<Q>::withoutJitter(double precision) const
 {
-    return pp - jp.transpose() * withPrecision(jj, precision).llt().solve(jp);
+    return pp - jp.transpose() * solveSymmetric<MatrixXd>(withPrecision(jj, precision), jp);
 }
 
 template <int Q>
 VectorXd JitterForm<Q>::jitter(const Eigen::Matrix<double, Q, 1>& p, double precision) const
 {
-    return -withPrecision(jj, precision).llt().solve(jp * p);
+    return -solveSymmetric<VectorXd>(withPrecision(jj, precision), jp * p);
 }
 
 template <int Q>
@@ -35,10 +36,9 @@ double JitterForm<Q>::determined(const MatrixXd& tangent, double precision) cons
     if (tangent.cols() > 0)
     {
         const MatrixXd cross = jp * tangent, own = tangent.transpose() * pp * tangent;
-        posterior -= cross * own.ldlt().solve(cross.transpose());
+        posterior -= cross * solveSymmetric<MatrixXd>(own, cross.transpose());
     }
-    const MatrixXd identity = MatrixXd::Identity(jj.rows(), jj.cols());
-    return double(jj.rows()) - precision * posterior.llt().solve(identity).trace();
+    return double(jj.rows()) - precision * inverseOfSymmetric(posterior).trace();
 }
 
 template <class Model>

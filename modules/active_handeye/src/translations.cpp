@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "closed_forms.hpp"
+#include "decompositions.hpp"
 #include "foe.hpp"
 #include "translations_problem.hpp"
 
@@ -136,7 +137,7 @@ Matrix9d expansionForm(const std::vector<Expansion>& expansions, const Vector9d*
 
 void requireFourDirections(const Matrix9d& S)
 {
-    const Eigen::SelfAdjointEigenSolver<Matrix9d> eigen(S, Eigen::EigenvaluesOnly);
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen = symmetricEigen<MatrixXd>(S);
     if (eigen.eigenvalues()[1] < 1e-7 * eigen.eigenvalues()[8])
         CV_Error(
             Error::StsNoConv,

@@ -4,6 +4,7 @@
 
 #include "precomp.hpp"
 #include "verification.hpp"
+#include "decompositions.hpp"
 
 namespace cv { namespace active_handeye {
 
@@ -145,7 +146,7 @@ void Verification::testDrift()
         }
     }
     // In the eigenvectors of S the gradient has variance lambda from the views and lambda^2 times that of the calibration.
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(S);
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen = symmetricEigen(S);
     const double smallestShare = 1e-4; // of the calibration's own information: less is no test
     int first = 0;
     while (first < f && !(eigen.eigenvalues()(first) > smallestShare))
@@ -164,7 +165,7 @@ void Verification::testDrift()
     {
         MatrixXd spread = factor * ofCalibration;
         spread.diagonal().array() += noiseFactor;
-        return z.dot(spread.ldlt().solve(z));
+        return z.dot(solveSymmetric(spread, z));
     };
     driftChiSquare = length(1);
     estimateShift(B * correlation * U * root.asDiagonal(), ofCalibration, z, B.rowwise().sum(),

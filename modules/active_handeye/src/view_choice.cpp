@@ -4,7 +4,7 @@
 
 #include "precomp.hpp"
 #include "view_choice.hpp"
-
+#include "decompositions.hpp"
 #include "opencv2/core/utility.hpp"
 
 namespace cv { namespace active_handeye {
@@ -22,7 +22,7 @@ bool GroupDemand::spread(const MotionGroup& group, const std::vector<int>& views
         moved.col(i) = group.displacement(gripper2base[views[0]], gripper2base[views[i]]);
     moved.colwise() -= moved.rowwise().mean().eval();
     const int rank = std::min(dimensions, int(views.size()) - 1);
-    const Eigen::VectorXd extents = Eigen::JacobiSVD<MatrixXd>(moved).singularValues();
+    const Eigen::VectorXd extents = thinSVD(moved).singularValues();
     return rank <= 0 || (extents(0) > 0 && extents(rank - 1) >= leastShare * extents(0));
 }
 

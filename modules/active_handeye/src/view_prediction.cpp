@@ -5,6 +5,7 @@
 // Views predicted from the others, with what noise and calibration let expect.
 #include "precomp.hpp"
 #include "residuals.hpp"
+#include "decompositions.hpp"
 #include "verification.hpp"
 
 namespace cv { namespace active_handeye {
@@ -111,7 +112,7 @@ MatrixXd Verification::covarianceOf(RefineProblem& problem) const
     MatrixXd T = MatrixXd::Identity(n, f), covariance = MatrixXd::Zero(n, n);
     if (poses > 0)
     {
-        const MatrixXd P = H.bottomRightCorner(poses, poses).ldlt().solve(MatrixXd::Identity(poses, poses));
+        const MatrixXd P = inverseOfSymmetric(H.bottomRightCorner(poses, poses));
         T.bottomRows(poses) = -P * H.bottomLeftCorner(poses, f);
         covariance.bottomRightCorner(poses, poses) = P;
     }

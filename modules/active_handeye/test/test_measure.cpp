@@ -102,7 +102,7 @@ TEST(ActiveHandEye_Measure, covariance_is_that_of_numerical_derivatives)
             for (int k = 0; k < 20; ++k)
                 Mat(row(derivatives[k], i)).copyTo(J.col(k));
             const Matx33d expected = Mat(J * C * J.t());
-            EXPECT_LT(largest(block(covariances, i) - expected), 1e-6 * largest(expected)) << "frame " << frame;
+            EXPECT_LT(largest(block(covariances, i) - expected), 1e-6 * largest(expected)) << "frame " << int(frame);
         }
     }
 }

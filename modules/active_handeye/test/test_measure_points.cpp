@@ -19,7 +19,7 @@ struct SeenPoint
 {
     Measurement tool;
     Vec3d X;
-    std::vector<Matx33d> R;
+    std::vector<Mat> R;
     std::vector<Vec3d> t;
     Mat pixels;
 
@@ -37,7 +37,7 @@ struct SeenPoint
             const double y = (tool.light[3] / depth - n[0] * x - n[2]) / n[1];
             const Vec3d inCamera = depth * Vec3d(x, y, 1);
             const Matx33d Rg = rotation(normal(rng, spread)) * tool.R_gripper2base;
-            R.push_back(Rg);
+            R.push_back(Mat(Rg));
             t.push_back(X - Rg * (tool.R_cam2gripper * inCamera + tool.t_cam2gripper));
             pixels.push_back(Mat(Matx12d(tool.K(0, 0) * x + tool.K(0, 1) * y + tool.K(0, 2),
                                          tool.K(1, 1) * y + tool.K(1, 2))));
@@ -137,7 +137,7 @@ TEST(ActiveHandEye_MeasurePoints, the_covariance_of_several_views_is_that_of_the
         given.tool = seen.tool.corrected(calibrationError(rng, seen.tool.light));
         for (int i = 0; i < views; ++i)
         {
-            given.R[size_t(i)] = rotation(normal(rng, robotRotation)) * seen.R[size_t(i)];
+            given.R[size_t(i)] = Mat(rotation(normal(rng, robotRotation)) * Matx33d(seen.R[size_t(i)]));
             given.t[size_t(i)] = seen.t[size_t(i)] + normal(rng, robotTranslation);
         }
         Mat noisy = seen.pixels.clone(), points, covariances, apart;

@@ -40,7 +40,12 @@ TEST(ActiveHandEye_RefineInput, nothing_of_the_callers_is_modified)
     for (int j = 0; j < 10; ++j)
         Mat(scene.X[j]).reshape(1, 1).copyTo(call.objectPoints.row(j));
     const Mat sigmas = call.stripeSigmas.clone(), known = call.objectPoints.clone();
+    call.K = Mat(scene.K).clone();
+    call.K.at<double>(0, 0) += 3;
+    const Mat start = call.K, startNumbers = start.clone();
     call.run();
+    EXPECT_TRUE(sameBits(startNumbers, start));
+    EXPECT_GT(cv::norm(call.K, start), 1);
     const Refinement given = scene.call();
     for (size_t view = 0; view < given.R.size(); ++view)
     {

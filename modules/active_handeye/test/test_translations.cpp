@@ -128,13 +128,15 @@ TEST(ActiveHandEye_Translations, all_layouts_of_poses_and_points_give_the_same)
     PointScene scene = PointScene::complete();
     scene.project(0.1);
     const Estimate reference = calibrate(scene);
-    vector<Matx33d> rotations;
+    vector<Mat> rotations;
     vector<Vec3d> translations;
     vector<vector<Point2d>> points;
     Mat stacked(vector<int>{int(scene.R.size()), int(scene.X.size()), 2}, CV_64F);
     for (size_t view = 0; view < scene.R.size(); ++view)
     {
-        rotations.push_back(Matx33d(scene.R[view]));
+        Mat wide = Mat::zeros(3, 5, CV_64F);
+        rotations.push_back(wide.colRange(1, 4));
+        scene.R[view].copyTo(rotations.back());
         translations.push_back(Vec3d(scene.t[view]));
         points.push_back(vector<Point2d>());
         for (int j = 0; j < scene.imagePoints[view].rows; ++j)

@@ -13,25 +13,10 @@
 namespace opencv_test {
 
 //! J of f at 0: central differences of fourth order.
-inline MatrixXd differentiate(const std::function<VectorXd(const VectorXd&)>& f, const VectorXd& steps)
-{
-    MatrixXd J(f(VectorXd::Zero(steps.size())).size(), steps.size());
-    for (int i = 0; i < steps.size(); ++i)
-    {
-        const VectorXd h = steps(i) * VectorXd::Unit(steps.size(), i);
-        J.col(i) = (8 * (f(h) - f(-h)) - (f(2 * h) - f(-2 * h))) / (12 * steps(i));
-    }
-    return J;
-}
+MatrixXd differentiate(const std::function<VectorXd(const VectorXd&)>& f, const VectorXd& steps);
 
 //! A step of each column of the calibration that moves the image by about a tenth of a pixel.
-inline VectorXd calibrationSteps()
-{
-    CalibrationStep steps;
-    steps << 0.1, 0.1, 0.1, 0.1, 0.1, 1e-3, 1e-2, 1e-4, 1e-4, 1e-1, Vector3d::Constant(1e-4), Vector3d::Constant(1e-4),
-        1e-4, 1e-4, 1e-4;
-    return steps;
-}
+VectorXd calibrationSteps();
 
 /** All residuals in their own units: 2 per image point, 1 per end of a segment, 6 per pose with a prior.
 
@@ -40,113 +25,24 @@ Unknowns are the reduced ones of RefineUnknowns, then 3 for each free point that
 class DenseModel
 {
 public:
-    explicit DenseModel(const RefineProblem& problem) : problem_(problem), reduced_(problem.unknowns.count())
-    {
-        for (int track = 0; track < problem.tracks.count(); ++track)
-            column_.push_back(problem.tracks.isUsed(track) && !problem.tracks.isKnown(track) ? 3 * free_++ : -1);
-        const VectorXd zero = VectorXd::Zero(size());
-        pointErrors = points(zero);
-        stripeErrors = stripes(zero);
-        byPoints = differentiate([this](const VectorXd& step) { return points(step); }, steps());
-        byStripes = differentiate([this](const VectorXd& step) { return stripes(step); }, steps());
-    }
+    explicit DenseModel(const RefineProblem& problem);
 
     int reduced() const { return reduced_; }
     int free() const { return free_; } //!< points
     int size() const { return reduced_ + 3 * free_; }
 
     //! Corrections of the poses with a prior, their columns, and which of them are rotations.
-    void priors(VectorXd& corrections, std::vector<int>& columns, std::vector<bool>& isRotation) const
-    {
-        corrections.resize(0);
-        for (int view = 0; view < int(problem_.reported.size()); ++view)
-            for (int i = 0; i < 6 && problem_.unknowns.poses[view] == POSE_PRIOR; ++i)
-            {
-                corrections.conservativeResize(corrections.size() + 1);
-                corrections(corrections.size() - 1) = problem_.correction(view)(i);
-                columns.push_back(problem_.unknowns.poseColumn(view) + i);
-                isRotation.push_back(i < 3);
-            }
-    }
+    void priors(VectorXd& corrections, std::vector<int>& columns, std::vector<bool>& isRotation) const;
 
     VectorXd pointErrors, stripeErrors; //!< times inverseSigma
     MatrixXd byPoints, byStripes;       //!< derivatives of these
 
 private:
-    VectorXd steps() const
-    {
-        VectorXd result = VectorXd::Constant(size(), 1e-4);
-        const MatrixXd& B = problem_.unknowns.calibration;
-        for (int i = 0; i < B.cols(); ++i) // a column may mix parameters: the shortest step of those it has
-            result(i) = (calibrationSteps().array() / (B.col(i).array().abs() + 1e-12)).minCoeff();
-        return result;
-    }
-
-    CalibrationState moved(const VectorXd& step) const
-    {
-        const RefineUnknowns& unknowns = problem_.unknowns;
-        CalibrationState state = problem_.state;
-        const CalibrationStep calibrationStep = unknowns.calibration * step.head(unknowns.calibration.cols());
-        state.calibration = state.calibration.moved(calibrationStep);
-        if (unknowns.object)
-            state.object2base = cv::active_handeye::moved(state.object2base, step.segment<6>(unknowns.objectColumn()));
-        for (int s = 0; s < unknowns.surfaces; ++s)
-            state.surfaces[s] += surfaceTangent(state.surfaces[s]) * step.segment<3>(unknowns.surfaceColumn(s));
-        for (size_t view = 0; view < state.gripper2base.size(); ++view)
-            if (unknowns.poses[view] != POSE_EXACT)
-                state.gripper2base[view] = cv::active_handeye::moved(state.gripper2base[view],
-                                                                     step.segment<6>(unknowns.poseColumn(int(view))));
-        for (int track = 0; track < problem_.tracks.count(); ++track)
-        {
-            const Pose& object = state.object2base;
-            if (problem_.tracks.isKnown(track))
-                state.points[track] = object.R * problem_.tracks.known[track] + object.t;
-            else if (column_[track] >= 0)
-                state.points[track] += step.segment<3>(reduced_ + column_[track]);
-        }
-        return state;
-    }
-
-    VectorXd points(const VectorXd& step) const
-    {
-        const CalibrationState state = moved(step);
-        const CameraViews views = state.views();
-        std::vector<double> errors;
-        for (int track = 0; track < problem_.tracks.count(); ++track)
-            for (int i = problem_.tracks.first[track]; i < problem_.tracks.first[track + 1]; ++i)
-            {
-                const PointObservation& o = problem_.tracks.observations[i];
-                if (!o.used || !problem_.tracks.isUsed(track))
-                    continue;
-                const Vector2d seen = state.calibration.camera.project(views[o.view].toCamera(state.points[track]));
-                errors.push_back(o.inverseSigma * (seen.x() - o.pixel.x()));
-                errors.push_back(o.inverseSigma * (seen.y() - o.pixel.y()));
-            }
-        return Eigen::Map<const VectorXd>(errors.data(), int(errors.size()));
-    }
-
+    VectorXd steps() const;
+    CalibrationState moved(const VectorXd& step) const;
+    VectorXd points(const VectorXd& step) const;
     //! Distance of the ideal ray from the line in which the planes of laser and surface meet, in pixels as large as K says at the start.
-    VectorXd stripes(const VectorXd& step) const
-    {
-        const CalibrationState state = moved(step);
-        const CameraViews views = state.views();
-        const HandEyeCalibration& c = state.calibration;
-        const Eigen::Matrix2d toIdeal = problem_.state.calibration.camera.K.topLeftCorner<2, 2>().inverse();
-        std::vector<double> errors;
-        for (const StripeSegment& segment : problem_.segments)
-            for (int end = 0; segment.used && end < 2; ++end)
-            {
-                const CameraView& view = views[segment.view];
-                const Vector4d& surface = state.surfaces[segment.surface];
-                const Vector3d w = view.R_base2cam * surface.head<3>();
-                const double e = surface(3) - surface.head<3>().dot(view.centre);
-                const Vector3d line = e * c.light.n - c.light.d * w;
-                const double distance =
-                    line.dot(c.camera.ray(segment.ends[end])) / (toIdeal.transpose() * line.head<2>()).norm();
-                errors.push_back(segment.inverseSigma * distance);
-            }
-        return Eigen::Map<const VectorXd>(errors.data(), int(errors.size()));
-    }
+    VectorXd stripes(const VectorXd& step) const;
 
     const RefineProblem& problem_;
     const int reduced_;
@@ -155,37 +51,10 @@ private:
 };
 
 //! Schur complement over the free points.
-inline DataTerm eliminated(const DenseModel& model, const MatrixXd& J, const VectorXd& errors)
-{
-    DataTerm term;
-    const int n = model.reduced(), m = 3 * model.free();
-    const MatrixXd H = J.transpose() * J;
-    const VectorXd b = J.transpose() * errors;
-    MatrixXd A = H.bottomRightCorner(m, m).inverse();
-    term.JtJ = H.topLeftCorner(n, n) - H.topRightCorner(n, m) * A * H.bottomLeftCorner(m, n);
-    term.Jtr = b.head(n) - H.topRightCorner(n, m) * A * b.tail(m);
-    term.squares = errors.squaredNorm() - b.tail(m).dot(A * b.tail(m));
-    term.redundancy = int(errors.size()) - m;
-    return term;
-}
+DataTerm eliminated(const DenseModel& model, const MatrixXd& J, const VectorXd& errors);
 
 //! Entries in units of the geometric mean of their diagonal elements.
-inline void expectSameTerm(const DataTerm& expected, const DataTerm& term, double tolerance)
-{
-    ASSERT_EQ(expected.JtJ.rows(), term.JtJ.rows());
-    ASSERT_EQ(expected.JtJ.cols(), term.JtJ.cols());
-    const VectorXd scale =
-        expected.JtJ.diagonal().cwiseMax(1e-6 * expected.JtJ.diagonal().maxCoeff()).cwiseSqrt().cwiseInverse();
-    const MatrixXd difference = scale.asDiagonal() * (term.JtJ - expected.JtJ) * scale.asDiagonal();
-    int row, column;
-    EXPECT_LE(difference.cwiseAbs().maxCoeff(&row, &column), tolerance) << "at (" << row << ", " << column << ")";
-    EXPECT_LE((term.JtJ - term.JtJ.transpose()).norm(), 1e-14 * term.JtJ.norm());
-    const double length = std::sqrt(expected.squares);
-    EXPECT_LE((term.Jtr - expected.Jtr).cwiseProduct(scale).cwiseAbs().maxCoeff(&row), tolerance * length)
-        << "Jtr at " << row;
-    EXPECT_NEAR(expected.squares, term.squares, tolerance * expected.squares);
-    EXPECT_EQ(expected.redundancy, term.redundancy);
-}
+void expectSameTerm(const DataTerm& expected, const DataTerm& term, double tolerance);
 
 } // namespace opencv_test
 

@@ -5,6 +5,7 @@
 // Noise levels against the restricted likelihood, written down for one dense linear model.
 #include "dense_model.hpp"
 
+#include "../src/decompositions.hpp"
 #include "../src/noise_levels.hpp"
 
 namespace opencv_test { namespace {
@@ -49,7 +50,7 @@ public:
         const MatrixXd WX = weight.asDiagonal() * X_;
         const MatrixXd H = X_.transpose() * WX;
         const VectorXd b = WX.transpose() * y_;
-        const double squares = y_.dot(weight.cwiseProduct(y_)) - b.dot(H.ldlt().solve(b));
+        const double squares = y_.dot(weight.cwiseProduct(y_)) - b.dot(solveSymmetric(H, b));
         return -0.5 * (-weight.array().log().sum() + H.ldlt().vectorD().array().log().sum() + squares);
     }
 
@@ -67,7 +68,7 @@ public:
         const VectorXd weight = weights(logVariances);
         const MatrixXd WX = weight.asDiagonal() * X_;
         const MatrixXd W = weight.asDiagonal();
-        const MatrixXd P = W - WX * (X_.transpose() * WX).ldlt().solve(MatrixXd(WX.transpose()));
+        const MatrixXd P = W - WX * solveSymmetric<MatrixXd>(X_.transpose() * WX, WX.transpose());
         Eigen::Matrix4d result = Eigen::Matrix4d::Zero();
         for (int i = 0; i < P.rows(); ++i)
             for (int j = 0; j < P.cols(); ++j)
@@ -244,7 +245,7 @@ TEST(ActiveHandEye_NoiseLevels, covariance_and_step_are_those_of_the_dense_model
     }
     const VectorXd scale = H.diagonal().cwiseSqrt().cwiseInverse();
     const MatrixXd inverse =
-        scale.asDiagonal() * MatrixXd(scale.asDiagonal() * H * scale.asDiagonal()).inverse() * scale.asDiagonal();
+        scale.asDiagonal() * inverseOfSymmetric(scale.asDiagonal() * H * scale.asDiagonal()) * scale.asDiagonal();
     const int n = problem.unknowns.count();
     const VectorXd deviation = inverse.diagonal().head(n).cwiseSqrt(), units = deviation.cwiseInverse();
     const MatrixXd difference =

@@ -5,6 +5,7 @@
 // Stripes of planned views against the refinement of the same stripes, and the search's sum over views.
 #include "small_problem.hpp"
 
+#include "../src/decompositions.hpp"
 #include "../src/planned_views.hpp"
 #include "../src/view_choice.hpp"
 
@@ -129,7 +130,7 @@ TEST(ActiveHandEye_PlannedViews, information_of_the_search_adds_up_to_the_refine
         MatrixXd JtJ;
         VectorXd Jtr;
         problem.linearize(JtJ, Jtr);
-        const MatrixXd covariance = JtJ.ldlt().solve(MatrixXd::Identity(JtJ.rows(), JtJ.cols()));
+        const MatrixXd covariance = inverseOfSymmetric(JtJ);
         const ViewInformation information(problem, planned.scene, int(planned.scene.points.size()));
         MatrixXd sum = 1e-9 * information.prior(0.5, 0.3);
         for (int view = 0; view < int(planned.poses.size()); ++view)

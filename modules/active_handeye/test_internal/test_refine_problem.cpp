@@ -5,6 +5,8 @@
 // Steps of the joint refinement, its cost, and Huber's loss.
 #include "dense_model.hpp"
 
+#include "../src/decompositions.hpp"
+
 namespace opencv_test { namespace {
 
 VectorXd randomStep(int size, double half, uint64 seed)
@@ -200,7 +202,7 @@ VectorXd wayToTheMinimum(const RefineProblem& problem, double limit)
         gradient(columns[i]) += corrections(i) / (sigma * sigma);
     }
     const VectorXd scale = H.diagonal().cwiseSqrt().cwiseInverse();
-    const MatrixXd inverse = MatrixXd(scale.asDiagonal() * H * scale.asDiagonal()).inverse();
+    const MatrixXd inverse = inverseOfSymmetric(scale.asDiagonal() * H * scale.asDiagonal());
     return (inverse * scale.cwiseProduct(gradient)).cwiseQuotient(inverse.diagonal().cwiseSqrt());
 }
 
