@@ -103,15 +103,17 @@ def calibration_calls(r: Recording) -> dict[str, Call]:
     """Closed forms, refinement, verification and planning."""
     hand, points = poses(r), list(noisy(r.imagePoints))
     stripes, views, ids = [noisy(s) for s in r.stripePoints], np.array(r.stripeViews), np.array(r.surfaceIds)
+    on_surfaces = list(noisy(r.surfaceImagePoints))
     camera, X = (r.cameraMatrix, r.distCoeffs), (r.R_cam2gripper, r.t_cam2gripper)
     laser = {"stripePoints": stripes, "stripeViews": views, "surfaceIds": ids}
     nothing = (None,) * 5
     exact_robot = Params("RefineParams", {"robotTranslationSigma": 0.0, "robotRotationSigma": 0.0, "lensModel": 2})
     known = {"pointSigma": 0.1, "stripeSigma": 0.1, "robotTranslationSigma": 2e-5, "robotRotationSigma": 1e-4}
     scene = np.random.default_rng(7).uniform([0.25, -0.15, -0.06], [0.55, 0.45, 0.06], (60, 3))
-    future = (*hand, scene, (640, 480), *camera, *X)
+    seen = np.random.default_rng(8).uniform([0.42, 0.08, -0.06], [0.54, 0.2, 0.06], (60, 3))
+    future = (*hand, seen, (640, 480), *camera, *X)
     levels = {"params": Params("RefineParams", known)}
-    check = Params("VerifyParams", {"pointSigma": 0.1, "robotTranslationSigma": 2e-5})
+    check = Params("VerifyParams", {"pointSigma": 0.1, "robotTranslationSigma": 2e-5, "robotRotationSigma": 1e-4})
     return {
         "FOE": Call("estimateFOE", (points[0], points[3])),
         "FOE least squares": Call("estimateFOE", (points[0], points[3]), {"method": 0}),
@@ -121,7 +123,7 @@ def calibration_calls(r: Recording) -> dict[str, Call]:
         "translations, known K": Call("calibrateHandEyeTranslations", (*hand, points, *camera), {"flags": 1}),
         "rotation": Call("calibrateHandEyeRotation", (*hand, points, *camera, r.R_cam2gripper)),
         "light plane": Call("calibrateLightPlane", (*hand, stripes, views, ids, *camera, r.R_cam2gripper)),
-        "associate": Call("associateStripes", (*hand, stripes, views, points, *camera, *X)),
+        "associate": Call("associateStripes", (*hand, stripes, views, on_surfaces, *camera, *X)),
         "refine": Call("refineHandEye", (*hand, points, *nothing)),
         "refine with stripes": Call("refineHandEye", (*hand, points, *nothing), laser),
         "refine, exact robot": Call("refineHandEye", (*hand, points, *nothing), laser | {"params": exact_robot}),

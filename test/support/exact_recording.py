@@ -25,6 +25,8 @@ class Recording:
     stripePoints: list[Array]
     stripeViews: list[int]
     surfaceIds: list[int]
+    surfaceImagePoints: Array
+    """Of scene points that lie on the surfaces of the stripes; those of imagePoints do not."""
 
     cameraMatrix: Array
     distCoeffs: Array
@@ -84,14 +86,19 @@ def exact_recording(bump_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Re
         pixels, _ = cv2.projectPoints(points, np.zeros(3), np.zeros(3), K, D)
         return np.asarray(pixels.reshape(-1, 2), dtype=np.float64)
 
-    image_points = np.array([image(to_camera(scene, R[i], t[i], X, x)) for i in range(len(R))])
-    stripes, views, ids = [], [], []
+    stripes, views, ids, on_surfaces = [], [], [], []
     for i in range(len(R)):
         for j, (*normal, distance) in enumerate(surfaces):
             to_base = R[i] @ X
             origin = R[i] @ x + t[i]
             in_camera = np.append(np.array(normal) @ to_base, distance - np.dot(normal, origin))
-            stripes.append(image(stripe_in_camera(in_camera, light)))
+            points = stripe_in_camera(in_camera, light)
+            on_surfaces.append(points[::8] @ to_base.T + origin)
+            stripes.append(image(points))
             views.append(i)
             ids.append(j)
-    return Recording(R, t, image_points, stripes, views, ids, K, D, X, x, light)
+    image_points, surface_points = (
+        np.array([image(to_camera(points, R[i], t[i], X, x)) for i in range(len(R))])
+        for points in (scene, np.concatenate(on_surfaces))
+    )
+    return Recording(R, t, image_points, stripes, views, ids, surface_points, K, D, X, x, light)

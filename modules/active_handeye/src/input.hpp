@@ -64,13 +64,20 @@ std::vector<Pixels> idealPixels(std::vector<Pixels> recorded, const Camera& came
 template <typename Derived>
 void writeMatrix(const Eigen::MatrixBase<Derived>& matrix, OutputArray out)
 {
-    if (!out.fixedSize())
-        out.release(); // an array that was also an input keeps its values
     out.create(int(matrix.rows()), int(matrix.cols()), CV_64F);
     Mat m = out.getMat();
     for (int i = 0; i < int(matrix.rows()); ++i)
         for (int j = 0; j < int(matrix.cols()); ++j)
             m.ptr<double>()[i * int(matrix.cols()) + j] = matrix(i, j);
+}
+
+//! The same for an array that was also an input: where the caller holds its values, they stay.
+template <typename Derived>
+void writeNewMatrix(const Eigen::MatrixBase<Derived>& matrix, InputOutputArray out)
+{
+    if (!out.fixedSize())
+        out.release();
+    writeMatrix(matrix, out);
 }
 
 }} // namespace cv::active_handeye

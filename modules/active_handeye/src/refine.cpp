@@ -89,16 +89,16 @@ double refineHandEye(InputArrayOfArrays R_gripper2base, InputArrayOfArrays t_gri
     summary = RefineSummary();
     refinement->summarize(summary);
     const HandEyeCalibration& result = refinement->calibration();
-    writeMatrix(result.camera.K, cameraMatrix);
-    writeMatrix(distortionOf(result.camera), distCoeffs);
+    writeNewMatrix(result.camera.K, cameraMatrix);
+    writeNewMatrix(distortionOf(result.camera), distCoeffs);
     const bool keepsRotation = (params.flags & REFINE_FIX_ROTATION) && R_cam2gripper.total() == 9; // to the last bit
     if (!keepsRotation)
-        writeMatrix(result.cam2gripper.R, R_cam2gripper);
-    writeMatrix(result.cam2gripper.t, t_cam2gripper);
+        writeNewMatrix(result.cam2gripper.R, R_cam2gripper);
+    writeNewMatrix(result.cam2gripper.t, t_cam2gripper);
     if (measurements.stripes.empty())
         lightPlane.release();
     else
-        writeMatrix((Eigen::Vector4d() << result.light.n, result.light.d).finished(), lightPlane);
+        writeNewMatrix((Eigen::Vector4d() << result.light.n, result.light.d).finished(), lightPlane);
     return summary.rms;
 }
 

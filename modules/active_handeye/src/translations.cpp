@@ -254,7 +254,7 @@ double translationsClosedForm(InputArrayOfArrays R_gripper2base, InputArrayOfArr
                                   ? estimateOnce(motion, idealPixels(recorded, camera), camera, method, flags, doubts)
                                   : estimateWithDistortion(motion, recorded, camera, guessed, method, flags, doubts);
     requireKnownFocalLength(estimate.projection, estimate.covariance);
-    writeMatrix(estimate.projection.K, cameraMatrix);
+    writeNewMatrix(estimate.projection.K, cameraMatrix);
     writeMatrix(estimate.projection.R, R_cam2gripper);
     if (covariance.needed())
         writeMatrix(estimate.covariance, covariance);
