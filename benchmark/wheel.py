@@ -94,7 +94,7 @@ class BareEnvironment:
         return done.returncode == 0
 
     def import_times(self) -> dict[str, float]:
-        """Seconds that importing takes: numpy alone, and the wheel with the numpy it needs."""
+        """Seconds that importing takes: numpy alone, and the wheel, which loads numpy with its first array."""
         command = [self.python, "-I", str(ROOT / "scripts" / "try_wheel.py"), "--import-time", str(IMPORT_RUNS)]
         times: dict[str, float] = json.loads(_output(*command))
         return times
@@ -169,9 +169,10 @@ def _contents_table(contents: list[tuple[str, Contents]]) -> Table:
 
 
 def _trials_table(tried: list[tuple[list[Cell], dict[str, bool]]]) -> Table:
-    columns = ("Python", "import [s]", "of it numpy [s]", *tried[0][1])
+    columns = ("Python", "import [s]", "numpy alone [s]", *tried[0][1])
     note = (
-        f'Import times are the best of {IMPORT_RUNS} fresh processes. "Works": calibration, stripe and errors of '
+        f"Import times are the best of {IMPORT_RUNS} fresh processes; the wheel loads numpy with its first array. "
+        '"Works": calibration, stripe and errors of '
         "`scripts/try_wheel.py` are right; cv2 imported first or last, computes too and raises its own exceptions."
     )
     return Table("Trials in bare environments", columns, [row for row, _ in tried], note)

@@ -32,10 +32,10 @@ _OFF = [
     "ENABLE_CCACHE",
 ]
 OPTIONS = {
-    "CMAKE_BUILD_TYPE": "Release",
+    # Small, for the baseline of every processor, with nothing chosen at run time: the core is not where time goes.
+    "CMAKE_BUILD_TYPE": "MinSizeRel",
     "BUILD_LIST": "core",
     "BUILD_ZLIB": "ON",
-    # The default baseline of every processor, nothing chosen at run time: the core is not where time goes.
     "CPU_DISPATCH": "",
     "CMAKE_POSITION_INDEPENDENT_CODE": "ON",
     "CMAKE_CXX_VISIBILITY_PRESET": "hidden",

@@ -18,8 +18,10 @@ Array = NDArray[np.float64]
 
 _STARTS = 96
 _ITERATIONS = 60
+_ITERATIONS_FROM_NEAR = 15  # a path takes five to eight
 _FARTHEST = 100.0  # metres: any straight line to there has few enough samples
 _CONVERGED = 1e-9  # metres and radians, before the final polish
+_LARGEST_STEP = 0.3  # rad, between two samples of a path
 
 
 class UnreachableError(ValueError):
@@ -118,12 +120,22 @@ class SerialArm:
 
         Raises UnreachableError when a sample leaves the limits, comes near a singularity or jumps over 0.3 rad.
         """
-        path, q = [np.asarray(start, dtype=np.float64)], np.asarray(start, dtype=np.float64)
+        q = np.asarray(start, dtype=np.float64)
         samples = straight_line(self.forward(q), _checked(pose), step_m, step_deg)
+        path, error = self._solve(samples, np.tile(q, (len(samples), 1)), _ITERATIONS_FROM_NEAR)
+        if error.max() > _CONVERGED or np.abs(np.diff(path, axis=0)).max(initial=0) > _LARGEST_STEP:
+            return self._follow_one_by_one(samples, q)
+        for i in np.flatnonzero(~self._usable(path[1:]))[:1] + 1:
+            raise UnreachableError(f"{self._nearest_refusal(path[i][None])} ({_share(i, samples)})")
+        return path
+
+    def _follow_one_by_one(self, samples: Array, q: Array) -> Array:
+        """Each sample from the joints of the one before: where all at once from the first do not stay together."""
+        path = [q]
         for i, sample in enumerate(samples[1:], start=1):
             solution, error = self._solve(sample, q[None])
-            where = f"on the way, {100 * i / (len(samples) - 1):.0f} % done"
-            if error[0] > _CONVERGED or np.abs(solution[0] - q).max() > 0.3:
+            where = _share(i, samples)
+            if error[0] > _CONVERGED or np.abs(solution[0] - q).max() > _LARGEST_STEP:
                 raise UnreachableError(f"{self.name}: no continuous joint motion {where}: {self._out_of_reach(sample)}")
             q = solution[0]
             if not self._usable(q[None])[0]:
@@ -131,13 +143,16 @@ class SerialArm:
             path.append(q)
         return np.array(path)
 
-    def _solve(self, pose: Array, q: Array) -> tuple[Array, Array]:
-        """Damped Gauss-Newton from all rows of q at once; returns joints and the largest remaining error."""
+    def _solve(self, pose: Array, q: Array, iterations: int = _ITERATIONS) -> tuple[Array, Array]:
+        """Damped Gauss-Newton from all rows of q at once, to one pose or a pose for each row.
+
+        Returns joints and the largest remaining error.
+        """
         weight = np.array([1 / self.reach] * 3 + [1.0] * 3)
-        for _ in range(_ITERATIONS):
+        for _ in range(iterations):
             error = weight * _pose_error(pose, self.forward(q))
             size = np.linalg.norm(error, axis=-1)
-            if len(q) == 1 and size[0] < 1e-14:
+            if size.max() < 1e-14:
                 break
             J = weight[:, None] * self.jacobian(q)
             Jt = np.swapaxes(J, -1, -2)
@@ -207,8 +222,12 @@ def arm(name: str) -> SerialArm:
 
 
 def _pose_error(target: Array, pose: Array) -> Array:
-    turn = Rotation.from_matrix(target[:3, :3] @ np.swapaxes(pose[..., :3, :3], -1, -2)).as_rotvec()
-    return np.concatenate([target[:3, 3] - pose[..., :3, 3], turn], axis=-1)
+    turn = Rotation.from_matrix(target[..., :3, :3] @ np.swapaxes(pose[..., :3, :3], -1, -2)).as_rotvec()
+    return np.concatenate([target[..., :3, 3] - pose[..., :3, 3], turn], axis=-1)
+
+
+def _share(i: int, samples: Array) -> str:
+    return f"on the way, {100 * i / (len(samples) - 1):.0f} % done"
 
 
 def _checked(pose: Array) -> Array:
