@@ -121,5 +121,5 @@ def test_another_compiler_or_option_makes_other_dependencies(monkeypatch: pytest
     assert wheel_dependencies.contents() != before
     monkeypatch.undo()
     assert wheel_dependencies.contents() == before
-    monkeypatch.setitem(wheel_dependencies.OPTIONS, "CMAKE_BUILD_TYPE", "MinSizeRel")
+    monkeypatch.setitem(wheel_dependencies.OPTIONS, "CMAKE_BUILD_TYPE", "Debug")
     assert wheel_dependencies.contents() != before

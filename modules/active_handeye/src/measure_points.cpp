@@ -90,7 +90,7 @@ CombinedPoint combine(const Observations& seen, const MeasurementErrors& errors)
         X.segment<3>(3 * i) = seen[size_t(i)].point.X;
     }
     const MatrixXd weighted = solveSymmetric(joint, design);
-    result.covariance = Matrix3d(design.transpose() * weighted).inverse();
+    result.covariance = inverseOfSymmetric(design.transpose() * weighted);
     result.covariance = (0.5 * (result.covariance + result.covariance.transpose())).eval();
     result.X = result.covariance * (weighted.transpose() * X);
     for (int i = 0; i < n; ++i)

@@ -76,6 +76,7 @@ class DensoWatch:
                     f"{code:#010x} ({text}); find the cause and clear the error at the pendant",
                 )
             if motor_on and not self._read("@SERVO_ON"):
+                self.check(motor_on=False)  # by an error that came after the code was read?
                 raise RobotStoppedError(StopReason.PROGRAM_STOPPED, "the motor was switched off")
 
     def motor_is_on(self) -> bool:
