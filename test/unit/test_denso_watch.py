@@ -85,3 +85,31 @@ def test_switch_after_the_last_reading_is_not_seen() -> None:
     link = SwitchedLink(3)
     watch(link).check(motor_on=False)
     assert link.asked == 3
+
+
+class FailingLink(Link):
+    """A controller that ends every program with an error and switches the motor off, after so many of its answers."""
+
+    def __init__(self, after: int, code: int) -> None:
+        super().__init__()
+        self._after, self._code = after, code
+
+    def read(self, name: str, deadline_s: float) -> int:
+        assert deadline_s == FRESH_S
+        good = self.asked < self._after
+        self.asked += 1
+        return {"@MODE": 3, "@SERVO_ON": int(good), "@ERROR_CODE": 0 if good else self._code}.get(name, 0)
+
+    def describe(self, code: int) -> str:
+        return f"error {code:#x}"
+
+
+@pytest.mark.parametrize("after", range(4))
+def test_motor_that_an_error_switched_off_is_told_with_the_error(after: int) -> None:
+    with pytest.raises(RobotStoppedError, match=r"controller error: 0x83201482 \(error 0x83201482\)"):
+        watch(FailingLink(after, 0x83201482)).check(motor_on=True)
+
+
+def test_motor_that_was_switched_off_without_an_error_is_called_that() -> None:
+    with pytest.raises(RobotStoppedError, match=r"program stopped: the motor was switched off"):
+        watch(FailingLink(0, 0)).check(motor_on=True)

@@ -155,6 +155,23 @@ def test_follow_stays_on_the_straight_line() -> None:
     assert np.abs(np.diff(path, axis=0)).max() < 0.1
 
 
+@both_arms
+def test_follow_in_long_steps_ends_in_the_joints_of_short_ones(robot: SerialArm) -> None:
+    rng, followed = np.random.default_rng(3), 0
+    for _ in range(25):
+        start = random_joints(robot, rng)
+        end = robot.forward(start)
+        end[:3, 3] += robot.reach * rng.uniform(-0.25, 0.25, 3)
+        end[:3, :3] = Rotation.from_rotvec(rng.uniform(-0.6, 0.6, 3)).as_matrix() @ end[:3, :3]
+        try:
+            short, long = robot.follow(start, end), robot.follow(start, end, 0.08 * robot.reach, 2.5)
+        except UnreachableError:  # a long step may also be too long
+            continue
+        np.testing.assert_allclose(long[-1], short[-1], atol=1e-8)
+        followed += 1
+    assert followed >= 8
+
+
 def test_follow_to_a_pose_out_of_reach_says_where_on_the_way() -> None:
     start = np.radians([0, 20, 80, 0, 60, 0])
     end = DENSO.forward(start)

@@ -126,7 +126,7 @@ class SerialArm:
         if error.max() > _CONVERGED or np.abs(np.diff(path, axis=0)).max(initial=0) > _LARGEST_STEP:
             return self._follow_one_by_one(samples, q)
         for i in np.flatnonzero(~self._usable(path[1:]))[:1] + 1:
-            raise UnreachableError(f"{self._nearest_refusal(path[i][None])} ({_share(i, samples)})")
+            raise UnreachableError(f"{self._nearest_refusal(path[i][None])} ({_on_the_way(i, samples)})")
         return path
 
     def _follow_one_by_one(self, samples: Array, q: Array) -> Array:
@@ -134,7 +134,7 @@ class SerialArm:
         path = [q]
         for i, sample in enumerate(samples[1:], start=1):
             solution, error = self._solve(sample, q[None])
-            where = _share(i, samples)
+            where = _on_the_way(i, samples)
             if error[0] > _CONVERGED or np.abs(solution[0] - q).max() > _LARGEST_STEP:
                 raise UnreachableError(f"{self.name}: no continuous joint motion {where}: {self._out_of_reach(sample)}")
             q = solution[0]
@@ -226,7 +226,7 @@ def _pose_error(target: Array, pose: Array) -> Array:
     return np.concatenate([target[..., :3, 3] - pose[..., :3, 3], turn], axis=-1)
 
 
-def _share(i: int, samples: Array) -> str:
+def _on_the_way(i: int, samples: Array) -> str:
     return f"on the way, {100 * i / (len(samples) - 1):.0f} % done"
 
 
