@@ -52,7 +52,7 @@ $(BIN)/python: | system-packages
 $(VENV)/.requirements: pyproject.toml scripts/requirements.py | $(BIN)/python
 	@echo "Installing Python packages into $(VENV)"
 	@$(BIN)/python scripts/requirements.py dev >$@.txt
-	@$(BIN)/python -m pip install --quiet --requirement $@.txt
+	@$(BIN)/python -m pip install --quiet --use-pep517 --requirement $@.txt
 	@touch $@
 
 $(VENV)/.installed: $(VENV)/.requirements $(CMAKE_FILES) $(CPP_FILES)
