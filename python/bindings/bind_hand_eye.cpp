@@ -70,7 +70,7 @@ Raises:
 Source: doc/method/hand_eye.md.
 )doc";
 
-const char* const paramsDoc = R"doc(Noise levels of calibrateHandEyeExtended: 0 = exact, negative = estimated.
+const char* const handEyeParamsDoc = R"doc(Noise levels of calibrateHandEyeExtended: 0 = exact, negative = estimated.
 
 Attributes:
     targetRotationSigma: standard deviation of a component of the rotation vector of R_target2cam, rad; default estimated.
@@ -80,7 +80,7 @@ Attributes:
     robotTranslationSigma: of a component of t_gripper2base; default 0: targetTranslationSigma covers both.
 )doc";
 
-const char* const summaryDoc = R"doc(What calibrateHandEyeExtended found out besides the transform.
+const char* const handEyeSummaryDoc = R"doc(What calibrateHandEyeExtended found out besides the transform.
 
 Lengths in the unit of the translations, angles in rad.
 
@@ -152,15 +152,15 @@ py::array_t<double> read(const HandEyeSummary& summary)
     return array<double>(summary.*member);
 }
 
-void bindTypes(py::module_& m)
+void bindHandEyeTypes(py::module_& m)
 {
-    py::class_<HandEyeParams>(m, "HandEyeParams", paramsDoc)
+    py::class_<HandEyeParams>(m, "HandEyeParams", handEyeParamsDoc)
         .def(py::init<>())
         .def_readwrite("targetRotationSigma", &HandEyeParams::targetRotationSigma)
         .def_readwrite("targetTranslationSigma", &HandEyeParams::targetTranslationSigma)
         .def_readwrite("robotRotationSigma", &HandEyeParams::robotRotationSigma)
         .def_readwrite("robotTranslationSigma", &HandEyeParams::robotTranslationSigma);
-    py::class_<HandEyeSummary>(m, "HandEyeSummary", summaryDoc)
+    py::class_<HandEyeSummary>(m, "HandEyeSummary", handEyeSummaryDoc)
         .def_readonly("usable", &HandEyeSummary::usable)
         .def_readonly("message", &HandEyeSummary::message)
         .def_readonly("iterations", &HandEyeSummary::iterations)
@@ -190,7 +190,7 @@ void bindHandEye(py::module_& m)
     m.attr("CALIB_HAND_EYE_ANDREFF") = int(CALIB_HAND_EYE_ANDREFF);
     m.attr("CALIB_HAND_EYE_DANIILIDIS") = int(CALIB_HAND_EYE_DANIILIDIS);
     m.attr("CALIB_HAND_EYE_REFINED") = int(CALIB_HAND_EYE_REFINED);
-    bindTypes(m);
+    bindHandEyeTypes(m);
     m.def("calibrateHandEye", handEye, py::arg("R_gripper2base"), py::arg("t_gripper2base"), py::arg("R_target2cam"),
           py::arg("t_target2cam"), py::arg("R_cam2gripper") = py::none(), py::arg("t_cam2gripper") = py::none(),
           py::arg("method") = int(CALIB_HAND_EYE_TSAI), handEyeDoc);

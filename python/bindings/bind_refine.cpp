@@ -54,7 +54,7 @@ Raises:
 Source: doc/method/refine.md.
 )doc";
 
-const char* const paramsDoc = R"doc(Settings of refineHandEye.
+const char* const refineParamsDoc = R"doc(Settings of refineHandEye.
 
 Attributes:
     flags: combination of REFINE_FIX_K, REFINE_SKEW, REFINE_FIX_ASPECT, REFINE_FIX_ROTATION, REFINE_FIX_TRANSLATION,
@@ -75,7 +75,7 @@ Attributes:
     orientationTolerance: for the closed-form start, degrees; default 0.05.
 )doc";
 
-const char* const summaryDoc = R"doc(What refineHandEye found out besides the calibration.
+const char* const refineSummaryDoc = R"doc(What refineHandEye found out besides the calibration.
 
 Lengths in the unit of t_gripper2base, angles in rad, image in pixels. V views, N points, S stripe segments.
 
@@ -151,9 +151,9 @@ RefineResult refine(const ArrayLike& R_gripper2base, const ArrayLike& t_gripper2
                           summary);
 }
 
-void bindParams(py::module_& m)
+void bindRefineParams(py::module_& m)
 {
-    py::class_<RefineParams>(m, "RefineParams", paramsDoc)
+    py::class_<RefineParams>(m, "RefineParams", refineParamsDoc)
         .def(py::init<>())
         .def_readwrite("flags", &RefineParams::flags)
         .def_readwrite("lensModel", &RefineParams::lensModel)
@@ -173,9 +173,9 @@ py::array_t<T> read(const RefineSummary& summary)
     return array<T>(summary.*member);
 }
 
-void bindSummary(py::module_& m)
+void bindRefineSummary(py::module_& m)
 {
-    py::class_<RefineSummary>(m, "RefineSummary", summaryDoc)
+    py::class_<RefineSummary>(m, "RefineSummary", refineSummaryDoc)
         .def_readonly("usable", &RefineSummary::usable)
         .def_readonly("message", &RefineSummary::message)
         .def_readonly("stopReason", &RefineSummary::stopReason)
@@ -228,8 +228,8 @@ void bindRefine(py::module_& m)
     m.attr("LENS_K1_K2") = int(LENS_K1_K2);
     m.attr("LENS_TANGENTIAL") = int(LENS_TANGENTIAL);
     m.attr("LENS_K3") = int(LENS_K3);
-    bindParams(m);
-    bindSummary(m);
+    bindRefineParams(m);
+    bindRefineSummary(m);
     m.def("refineHandEye", refine, py::arg("R_gripper2base"), py::arg("t_gripper2base"), py::arg("imagePoints"),
           py::arg("cameraMatrix"), py::arg("distCoeffs"), py::arg("R_cam2gripper"), py::arg("t_cam2gripper"),
           py::arg("lightPlane"), py::kw_only(), py::arg("stripePoints") = py::none(),

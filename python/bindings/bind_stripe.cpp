@@ -85,7 +85,7 @@ Raises:
 Source: doc/method/light_plane.md.
 )doc";
 
-const char* const paramsDoc = R"doc(What a stripe looks like, for detectStripe.
+const char* const stripeParamsDoc = R"doc(What a stripe looks like, for detectStripe.
 
 Attributes:
     orientation: STRIPE_HORIZONTAL (one point per column, the default) or STRIPE_VERTICAL (one per row).
@@ -149,11 +149,11 @@ void setRoi(StripeParams& params, const Roi& roi)
     params.roi = cv::Rect(std::get<0>(roi), std::get<1>(roi), std::get<2>(roi), std::get<3>(roi));
 }
 
-void bindParams(py::module_& m)
+void bindStripeParams(py::module_& m)
 {
     m.attr("STRIPE_HORIZONTAL") = int(STRIPE_HORIZONTAL);
     m.attr("STRIPE_VERTICAL") = int(STRIPE_VERTICAL);
-    py::class_<StripeParams>(m, "StripeParams", paramsDoc)
+    py::class_<StripeParams>(m, "StripeParams", stripeParamsDoc)
         .def(py::init<>())
         .def_readwrite("orientation", &StripeParams::orientation)
         .def_readwrite("sigma", &StripeParams::sigma)
@@ -169,7 +169,7 @@ void bindParams(py::module_& m)
 
 void bindStripe(py::module_& m)
 {
-    bindParams(m);
+    bindStripeParams(m);
     m.def("detectStripe", detect, py::arg("image"), py::kw_only(), py::arg("background") = py::none(),
           py::arg_v("params", StripeParams(), "StripeParams()"), detectDoc);
     m.def("splitStripe", split, py::arg("stripePoints"), py::arg("sigmas"), py::arg("cameraMatrix"),

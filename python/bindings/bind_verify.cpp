@@ -41,7 +41,7 @@ Raises:
 Source: doc/method/verify.md.
 )doc";
 
-const char* const paramsDoc = R"doc(Noise levels that verifyHandEye takes as known.
+const char* const verifyParamsDoc = R"doc(Noise levels that verifyHandEye takes as known.
 
 Attributes:
     pointSigma: of one image coordinate, pixels (with pointSigmas: their common factor); default 0.1.
@@ -50,7 +50,7 @@ Attributes:
     significance: p-value below which the calibration is not valid any more; default 0.01.
 )doc";
 
-const char* const summaryDoc = R"doc(What verifyHandEye found.
+const char* const verifySummaryDoc = R"doc(What verifyHandEye found.
 
 Attributes:
     valid: whether the new views agree with the calibration within its covariance.
@@ -89,15 +89,15 @@ py::array_t<double> read(const VerifySummary& summary)
     return array<double>(summary.*member);
 }
 
-void bindTypes(py::module_& m)
+void bindVerifyTypes(py::module_& m)
 {
-    py::class_<VerifyParams>(m, "VerifyParams", paramsDoc)
+    py::class_<VerifyParams>(m, "VerifyParams", verifyParamsDoc)
         .def(py::init<>())
         .def_readwrite("pointSigma", &VerifyParams::pointSigma)
         .def_readwrite("robotTranslationSigma", &VerifyParams::robotTranslationSigma)
         .def_readwrite("robotRotationSigma", &VerifyParams::robotRotationSigma)
         .def_readwrite("significance", &VerifyParams::significance);
-    py::class_<VerifySummary>(m, "VerifySummary", summaryDoc)
+    py::class_<VerifySummary>(m, "VerifySummary", verifySummaryDoc)
         .def_readonly("valid", &VerifySummary::valid)
         .def_readonly("message", &VerifySummary::message)
         .def_readonly("driftChiSquare", &VerifySummary::driftChiSquare)
@@ -118,7 +118,7 @@ void bindTypes(py::module_& m)
 
 void bindVerify(py::module_& m)
 {
-    bindTypes(m);
+    bindVerifyTypes(m);
     m.def("verifyHandEye", verify, py::arg("R_gripper2base"), py::arg("t_gripper2base"), py::arg("imagePoints"),
           py::arg("cameraMatrix"), py::arg("distCoeffs"), py::arg("R_cam2gripper"), py::arg("t_cam2gripper"),
           py::arg("covariance"), py::kw_only(), py::arg("pointSigmas") = py::none(),

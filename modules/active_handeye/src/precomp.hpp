@@ -18,6 +18,7 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <Eigen/StdVector>
+#include "eigen_kernels.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,11 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 #include "measure_scene.hpp"
 
-#include <limits>
-
 namespace opencv_test { namespace {
-
-const double infinity = std::numeric_limits<double>::infinity();
 
 Vec3d row(const Mat& points, int i)
 {

@@ -218,9 +218,9 @@ TEST(ActiveHandEye_MeasurePoints, a_parameter_that_was_not_observed_leaves_infin
 {
     const SeenPoint seen(3, 0.2, 8);
     Mat C = calibrationCovariance(seen.tool.light), points, covariances, apart;
-    C.at<double>(13, 13) = std::numeric_limits<double>::infinity(); // t_cam2gripper x
+    C.at<double>(13, 13) = infinity; // t_cam2gripper x
     seen.measure(seen.pixels, seen.views(), C, points, covariances, apart);
-    EXPECT_EQ(std::numeric_limits<double>::infinity(), covarianceOf(covariances)(0, 0));
+    EXPECT_EQ(infinity, covarianceOf(covariances)(0, 0));
     EXPECT_LT(cv::norm(pointOf(points) - seen.X), 1e-10);
 }
 

@@ -74,7 +74,7 @@ TEST(ActiveHandEye_Planning, turns_about_one_axis_leave_the_translation_along_it
     for (const double angle : {0., 0.3, -0.3})
         scene.addGroup(Vec3d(angle, 0, 0), PointScene::fourTranslations());
     Planned planned(scene);
-    EXPECT_EQ(std::numeric_limits<double>::infinity(), planned.predict());
+    EXPECT_EQ(infinity, planned.predict());
     ASSERT_FALSE(planned.weak.empty());
     EXPECT_NE(string::npos, planned.weak.back().find("t_cam2gripper along gripper")) << planned.weak.back();
     for (int i = 0; i < 13; ++i)

@@ -10,10 +10,12 @@
 #include <gtest/gtest.h>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 #include "opencv2/core.hpp"
 #else
+#include <limits>
 #include "opencv2/ts.hpp"
 #endif
 
@@ -24,6 +26,8 @@ using namespace cv;
 using namespace cv::active_handeye;
 using std::string;
 using std::vector;
+
+const double infinity = std::numeric_limits<double>::infinity();
 } // namespace opencv_test
 
 #endif

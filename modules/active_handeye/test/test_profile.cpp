@@ -6,15 +6,15 @@
 namespace opencv_test { namespace {
 
 const Matx33d K(1400, 0, 320, 0, 1405, 240, 0, 0, 1);
-const Matx<double, 5, 1> D(-0.12, 0.08, 1e-3, -8e-4, 0);
+const Matx<double, 5, 1> dist(-0.12, 0.08, 1e-3, -8e-4, 0);
 
 //! Pixel of the recorded image of a point of the camera frame.
 Vec2d project(const Vec3d& X)
 {
     const double x = X[0] / X[2], y = X[1] / X[2], r2 = x * x + y * y;
-    const double radial = 1 + r2 * (D(0) + r2 * (D(1) + r2 * D(4)));
-    const double u = x * radial + 2 * D(2) * x * y + D(3) * (r2 + 2 * x * x);
-    const double v = y * radial + D(2) * (r2 + 2 * y * y) + 2 * D(3) * x * y;
+    const double radial = 1 + r2 * (dist(0) + r2 * (dist(1) + r2 * dist(4)));
+    const double u = x * radial + 2 * dist(2) * x * y + dist(3) * (r2 + 2 * x * x);
+    const double v = y * radial + dist(2) * (r2 + 2 * y * y) + 2 * dist(3) * x * y;
     return Vec2d(K(0, 0) * u + K(0, 2), K(1, 1) * v + K(1, 2));
 }
 
@@ -113,7 +113,7 @@ TEST(ActiveHandEye_Profile, locateOnStripe_is_exact_for_a_straight_piece_behind_
     const Stripe stripe(profile, flat, 0.1);
     const Matx<double, 3, 2> wanted(150.3, 500, 320, 500, 520.75, 500);
     Mat points, covariances;
-    locateOnStripe(stripe.points, stripe.sigmas, stripe.ids, wanted, K, D, points, covariances, 0, STRIPE_HORIZONTAL,
+    locateOnStripe(stripe.points, stripe.sigmas, stripe.ids, wanted, K, dist, points, covariances, 0, STRIPE_HORIZONTAL,
                    15, 30);
     for (int i = 0; i < 3; ++i)
     {
@@ -131,12 +131,12 @@ TEST(ActiveHandEye_Profile, locateOnStripe_takes_rows_for_a_vertical_stripe)
     stripe.points.col(0).copyTo(swapped.col(1));
     stripe.points.col(1).copyTo(swapped.col(0));
     const Matx33d turned(K(1, 1), 0, K(1, 2), 0, K(0, 0), K(0, 2), 0, 0, 1);
-    const Matx<double, 5, 1> lens(D(0), D(1), D(3), D(2), D(4)); // p1 and p2 change places with x and y
+    const Matx<double, 5, 1> lens(dist(0), dist(1), dist(3), dist(2), dist(4)); // p1 and p2 change places with x and y
     Mat points, covariances, straight, straightCovariances;
     locateOnStripe(swapped, stripe.sigmas, stripe.ids, Matx12d(500, 320), turned, lens, points, covariances, 0,
                    STRIPE_VERTICAL, 15, 30);
-    locateOnStripe(stripe.points, stripe.sigmas, stripe.ids, Matx12d(320, 500), K, D, straight, straightCovariances, 0,
-                   STRIPE_HORIZONTAL, 15, 30);
+    locateOnStripe(stripe.points, stripe.sigmas, stripe.ids, Matx12d(320, 500), K, dist, straight, straightCovariances,
+                   0, STRIPE_HORIZONTAL, 15, 30);
     EXPECT_NEAR(pixelOf(straight, 0)[1], pixelOf(points, 0)[0], 1e-9);
     EXPECT_NEAR(pixelOf(straight, 0)[0], pixelOf(points, 0)[1], 1e-9);
     EXPECT_NEAR(covarianceOf(straightCovariances, 0)(1, 1), covarianceOf(covariances, 0)(0, 0), 1e-12);
@@ -154,7 +154,7 @@ double standardizedError(double correlation, uint64 seed)
     {
         const double u = rng.uniform(140., 500.);
         Mat points, covariances;
-        locateOnStripe(stripe.noisy(rng, correlation), stripe.sigmas, stripe.ids, Matx12d(u, 500), K, D, points,
+        locateOnStripe(stripe.noisy(rng, correlation), stripe.sigmas, stripe.ids, Matx12d(u, 500), K, dist, points,
                        covariances, 0, STRIPE_HORIZONTAL, 15, 30);
         const double error = pixelOf(points, 0)[1] - rowAt(profile, flat, u);
         sum += error * error / covarianceOf(covariances, 0)(1, 1);
@@ -182,8 +182,9 @@ TEST(ActiveHandEye_Profile, locateOnStripe_moves_along_the_line_by_sigmaAlong)
     const Stripe stripe(profile, flat, 0.1);
     Mat points, exact, slid;
     const Matx12d wanted(320, 500);
-    locateOnStripe(stripe.points, stripe.sigmas, stripe.ids, wanted, K, D, points, exact, 0, STRIPE_HORIZONTAL, 15, 30);
-    locateOnStripe(stripe.points, stripe.sigmas, stripe.ids, wanted, K, D, points, slid, 0.5, STRIPE_HORIZONTAL, 15,
+    locateOnStripe(stripe.points, stripe.sigmas, stripe.ids, wanted, K, dist, points, exact, 0, STRIPE_HORIZONTAL, 15,
+                   30);
+    locateOnStripe(stripe.points, stripe.sigmas, stripe.ids, wanted, K, dist, points, slid, 0.5, STRIPE_HORIZONTAL, 15,
                    30);
     const double slope = (rowAt(profile, flat, 321) - rowAt(profile, flat, 319)) / 2;
     const Matx22d part = covarianceOf(slid, 0) - covarianceOf(exact, 0);
@@ -199,14 +200,14 @@ TEST(ActiveHandEye_Profile, locateOnStripe_gives_NaN_where_no_straight_piece_is_
     const double v = rowAt(profile, flat, 320);
     const Matx<double, 3, 2> wanted(320, v + 11, 5, v, 320, v + 9);
     Mat points, covariances;
-    locateOnStripe(stripe.points, stripe.sigmas, stripe.ids, wanted, K, D, points, covariances);
+    locateOnStripe(stripe.points, stripe.sigmas, stripe.ids, wanted, K, dist, points, covariances);
     EXPECT_TRUE(std::isnan(pixelOf(points, 0)[0]) && std::isnan(covarianceOf(covariances, 0)(1, 1)));
     EXPECT_TRUE(std::isnan(pixelOf(points, 1)[1]));
     EXPECT_NEAR(v, pixelOf(points, 2)[1], 1e-6);
     const Mat none(stripe.points.rows, 1, CV_32S, Scalar(-1));
-    locateOnStripe(stripe.points, stripe.sigmas, none, wanted, K, D, points, covariances);
+    locateOnStripe(stripe.points, stripe.sigmas, none, wanted, K, dist, points, covariances);
     EXPECT_TRUE(std::isnan(pixelOf(points, 2)[1]));
-    locateOnStripe(Mat(0, 2, CV_64F), Mat(0, 1, CV_64F), Mat(0, 1, CV_32S), wanted, K, D, points, covariances);
+    locateOnStripe(Mat(0, 2, CV_64F), Mat(0, 1, CV_64F), Mat(0, 1, CV_32S), wanted, K, dist, points, covariances);
     EXPECT_TRUE(std::isnan(pixelOf(points, 2)[1]));
 }
 
@@ -215,7 +216,7 @@ TEST(ActiveHandEye_Profile, findProfileCorners_is_exact_for_a_groove_behind_a_le
     const Profile profile;
     const Stripe stripe(profile, groove, 0.1);
     Mat corners, covariances, angles, segments;
-    findProfileCorners(stripe.points, stripe.sigmas, stripe.ids, K, D, profile.plane(), corners, covariances, angles,
+    findProfileCorners(stripe.points, stripe.sigmas, stripe.ids, K, dist, profile.plane(), corners, covariances, angles,
                        segments);
     ASSERT_EQ(3, corners.rows);
     const double truth[] = {240, 60, 240}; // a plate's edge, the root, the other plate's edge
@@ -240,7 +241,7 @@ TEST(ActiveHandEye_Profile, findProfileCorners_states_the_error_of_the_root)
     for (int trial = 0; trial < trials; ++trial)
     {
         Mat corners, covariances, angles, segments;
-        findProfileCorners(stripe.noisy(rng), stripe.sigmas, stripe.ids, K, D, profile.plane(), corners, covariances,
+        findProfileCorners(stripe.noisy(rng), stripe.sigmas, stripe.ids, K, dist, profile.plane(), corners, covariances,
                            angles, segments);
         ASSERT_EQ(3, corners.rows);
         const Vec2d error = pixelOf(corners, 1) - exact;
@@ -261,7 +262,7 @@ TEST(ActiveHandEye_Profile, findProfileCorners_does_not_join_pieces_that_do_not_
     vconcat(left.sigmas, right.sigmas, sigmas);
     vconcat(left.ids, right.ids + 1, ids);
     Mat corners, covariances, angles, segments;
-    findProfileCorners(points, sigmas, ids, K, D, profile.plane(), corners, covariances, angles, segments);
+    findProfileCorners(points, sigmas, ids, K, dist, profile.plane(), corners, covariances, angles, segments);
     EXPECT_EQ(0, corners.rows);
     EXPECT_EQ(0, angles.rows);
 }
@@ -274,7 +275,7 @@ TEST(ActiveHandEye_Profile, wrong_input_is_named)
     Mat out, covariances, angles, segments;
     const auto locate =
         [&](const Mat& points, const Mat& sigmas, const Mat& ids, double sigmaAlong, int orientation, double window)
-    { locateOnStripe(points, sigmas, ids, wanted, K, D, out, covariances, sigmaAlong, orientation, window); };
+    { locateOnStripe(points, sigmas, ids, wanted, K, dist, out, covariances, sigmaAlong, orientation, window); };
     const Mat &p = stripe.points, &s = stripe.sigmas, &i = stripe.ids;
     expectError([&] { locate(p, s.rowRange(0, 3), i, 0, 0, 15); }, Error::StsBadSize,
                 {"sigmas: needed one number for each"});
@@ -286,7 +287,7 @@ TEST(ActiveHandEye_Profile, wrong_input_is_named)
                 {"sigmaAlong: needed 0 or a positive number"});
     expectError([&] { locate(p, s, i, 0, 2, 15); }, Error::StsBadArg, {"orientation: needed STRIPE_HORIZONTAL"});
     expectError([&] { locate(p, s, i, 0, 0, 1); }, Error::StsOutOfRange, {"halfWindow: needed 4 to 1000"});
-    expectError([&] { findProfileCorners(p, s, i, K, D, Vec4d(0, 0, 1, -1), out, covariances, angles, segments); },
+    expectError([&] { findProfileCorners(p, s, i, K, dist, Vec4d(0, 0, 1, -1), out, covariances, angles, segments); },
                 Error::StsBadArg, {"lightPlane"});
 }
 

@@ -7,8 +7,6 @@ namespace opencv_test { namespace {
 
 using namespace refine;
 
-const double infinity = std::numeric_limits<double>::infinity();
-
 //! The call with everything as start.
 Refinement started(const RefineScene& scene, int flags)
 {
@@ -22,7 +20,7 @@ Refinement started(const RefineScene& scene, int flags)
     return call;
 }
 
-RefineScene stripedScene()
+RefineScene distortedStripedScene()
 {
     RefineScene scene(2);
     scene.D[0] = -0.1;
@@ -34,7 +32,7 @@ RefineScene stripedScene()
 
 TEST(ActiveHandEye_RefineFlags, what_is_fixed_keeps_its_bits)
 {
-    const RefineScene scene = stripedScene();
+    const RefineScene scene = distortedStripedScene();
     const vector<string> K = {"fx", "fy", "cx", "cy", "skew"}, D = {"k1", "k2", "p1", "p2", "k3"},
                          R = {"rx", "ry", "rz"}, t = {"tx", "ty", "tz"}, light = {"nx", "ny", "nz", "d"};
     const Refinement given = started(scene, 0);

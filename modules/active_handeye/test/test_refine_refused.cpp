@@ -9,7 +9,7 @@ namespace opencv_test { namespace {
 
 using namespace refine;
 
-const double NaN = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+const double NaN = std::numeric_limits<double>::quiet_NaN();
 
 //! A good call with a start, spoiled by `spoil`, is refused with this text, and no argument of the caller's changes.
 void expectRefused(const std::function<void(Refinement&)>& spoil, int code, const vector<string>& parts)

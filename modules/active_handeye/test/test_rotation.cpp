@@ -5,16 +5,16 @@
 
 namespace opencv_test { namespace {
 
-struct Estimate
+struct RotationEstimate
 {
     double rms;
     Vec3d t;
     Matx33d covariance;
 };
 
-Estimate calibrate(const PointScene& scene, int flags = 0)
+RotationEstimate calibrateRotation(const PointScene& scene, int flags = 0)
 {
-    Estimate estimate;
+    RotationEstimate estimate;
     estimate.rms = calibrateHandEyeRotation(scene.R, scene.t, scene.imagePoints, scene.K, scene.dist(),
                                             scene.R_cam2gripper, estimate.t, estimate.covariance, flags);
     return estimate;
@@ -43,13 +43,13 @@ PointScene turningAbout(const Vec3d& axis)
 TEST(ActiveHandEye_Rotation, exact_data_give_the_truth)
 {
     PointScene scene = PointScene::complete();
-    const Estimate plain = calibrate(scene);
+    const RotationEstimate plain = calibrateRotation(scene);
     EXPECT_LE(plain.rms, 1e-8);
     EXPECT_LE(cv::norm(plain.t - scene.t_cam2gripper), 1e-9 * cv::norm(scene.t_cam2gripper));
     const double D[5] = {-0.2, 0.1, 0.001, -0.002, 0.05};
     std::copy(D, D + 5, scene.D);
     scene.project();
-    EXPECT_LE(cv::norm(calibrate(scene).t - scene.t_cam2gripper), 1e-9 * cv::norm(scene.t_cam2gripper));
+    EXPECT_LE(cv::norm(calibrateRotation(scene).t - scene.t_cam2gripper), 1e-9 * cv::norm(scene.t_cam2gripper));
 }
 
 TEST(ActiveHandEye_Rotation, eye_to_hand_with_inverted_poses_gives_camera_to_base)
@@ -90,7 +90,7 @@ TEST(ActiveHandEye_Rotation, result_scales_with_the_unit_and_ignores_frame_and_o
 {
     PointScene scene = PointScene::complete();
     scene.project(0.1);
-    const Estimate reference = calibrate(scene);
+    const RotationEstimate reference = calibrateRotation(scene);
     PointScene metres = scene, moved = scene, reversed = scene;
     const Matx33d turn = rotation(Vec3d(0.3, -1.2, 0.7));
     for (size_t view = 0; view < scene.R.size(); ++view)
@@ -103,11 +103,11 @@ TEST(ActiveHandEye_Rotation, result_scales_with_the_unit_and_ignores_frame_and_o
     std::reverse(reversed.R.begin(), reversed.R.end());
     std::reverse(reversed.t.begin(), reversed.t.end());
     std::reverse(reversed.imagePoints.begin(), reversed.imagePoints.end());
-    EXPECT_LE(cv::norm(calibrate(metres).t * 1000 - reference.t), 1e-9 * cv::norm(reference.t));
-    EXPECT_LE(cv::norm(calibrate(metres).covariance * 1e6 - reference.covariance),
+    EXPECT_LE(cv::norm(calibrateRotation(metres).t * 1000 - reference.t), 1e-9 * cv::norm(reference.t));
+    EXPECT_LE(cv::norm(calibrateRotation(metres).covariance * 1e6 - reference.covariance),
               1e-6 * cv::norm(reference.covariance));
-    EXPECT_LE(cv::norm(calibrate(moved).t - reference.t), 1e-9 * cv::norm(reference.t));
-    EXPECT_LE(cv::norm(calibrate(reversed).t - reference.t), 1e-9 * cv::norm(reference.t));
+    EXPECT_LE(cv::norm(calibrateRotation(moved).t - reference.t), 1e-9 * cv::norm(reference.t));
+    EXPECT_LE(cv::norm(calibrateRotation(reversed).t - reference.t), 1e-9 * cv::norm(reference.t));
 }
 
 TEST(ActiveHandEye_Rotation, covariance_predicts_the_error)
@@ -118,7 +118,7 @@ TEST(ActiveHandEye_Rotation, covariance_predicts_the_error)
     {
         PointScene scene = PointScene::complete(2000 + trial);
         scene.project(0.1);
-        const Estimate estimate = calibrate(scene);
+        const RotationEstimate estimate = calibrateRotation(scene);
         const Vec3d error = estimate.t - scene.t_cam2gripper;
         for (int k = 0; k < 3; ++k)
             sums[k] += error[k] * error[k] / estimate.covariance(k, k);
@@ -134,26 +134,25 @@ TEST(ActiveHandEye_Rotation, wrong_matches_and_swapped_poses_are_left_out)
     RNG rng(17);
     for (int k = 0; k < 30; ++k)
         scene.imagePoints[rng.uniform(0, 12)].at<double>(rng.uniform(0, 60), 0) += rng.uniform(20., 80.);
-    EXPECT_LE(cv::norm(calibrate(scene).t - scene.t_cam2gripper), 0.1);
+    EXPECT_LE(cv::norm(calibrateRotation(scene).t - scene.t_cam2gripper), 0.1);
     std::swap(scene.t[1], scene.t[3]);
-    EXPECT_LE(cv::norm(calibrate(scene).t - scene.t_cam2gripper), 0.2);
+    EXPECT_LE(cv::norm(calibrateRotation(scene).t - scene.t_cam2gripper), 0.2);
 }
 
 TEST(ActiveHandEye_Rotation, one_axis_is_refused_or_marked)
 {
     const Vec3d axis = Vec3d(1, 2, -1) * (1 / std::sqrt(6.));
     const PointScene scene = turningAbout(axis);
-    expectError([&] { calibrate(scene); }, Error::StsNoConv,
+    expectError([&] { calibrateRotation(scene); }, Error::StsNoConv,
                 {"all rotation axes are parallel", "(0.41, 0.82, -0.41) in the gripper frame",
                  "base coordinates: add a turn", "ROTATION_ALLOW_PARTIAL"});
-    const Estimate partial = calibrate(scene, ROTATION_ALLOW_PARTIAL);
+    const RotationEstimate partial = calibrateRotation(scene, ROTATION_ALLOW_PARTIAL);
     const Vec3d across = scene.t_cam2gripper - axis * axis.dot(scene.t_cam2gripper);
     EXPECT_LE(cv::norm(partial.t - across), 1e-7);
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
-            EXPECT_EQ(std::copysign(std::numeric_limits<double>::infinity(), axis[i] * axis[j]),
-                      partial.covariance(i, j));
-    const Estimate simple = calibrate(turningAbout(Vec3d(0, 0, 1)), ROTATION_ALLOW_PARTIAL);
+            EXPECT_EQ(std::copysign(infinity, axis[i] * axis[j]), partial.covariance(i, j));
+    const RotationEstimate simple = calibrateRotation(turningAbout(Vec3d(0, 0, 1)), ROTATION_ALLOW_PARTIAL);
     EXPECT_TRUE(std::isinf(simple.covariance(2, 2)));
     EXPECT_LE(simple.covariance(0, 0), 1e-12);
     EXPECT_LE(std::abs(simple.covariance(0, 2)), 1e-12);
@@ -165,7 +164,7 @@ TEST(ActiveHandEye_Rotation, motion_that_cannot_answer_is_refused)
     straight.addGroup(Vec3d(), PointScene::fourTranslations());
     straight.project();
     for (int flags : {0, int(ROTATION_ALLOW_PARTIAL)})
-        expectError([&] { calibrate(straight, flags); }, Error::StsNoConv,
+        expectError([&] { calibrateRotation(straight, flags); }, Error::StsNoConv,
                     {"no change of orientation", "two axes that are not parallel", "at most 0.000 deg"});
 
     PointScene still(1);
@@ -175,16 +174,17 @@ TEST(ActiveHandEye_Rotation, motion_that_cannot_answer_is_refused)
         still.t.push_back(Mat(Vec3d(300, 0, 600)));
     }
     still.project();
-    expectError([&] { calibrate(still); }, Error::StsNoConv, {"the gripper only turned", "scale", "add a translation"});
+    expectError([&] { calibrateRotation(still); }, Error::StsNoConv,
+                {"the gripper only turned", "scale", "add a translation"});
     RNG rng(2);
     for (Mat& t : still.t) // the robot repeats to 0.02 mm: that is no translation either
         t += Mat(Vec3d(rng.gaussian(0.02), rng.gaussian(0.02), rng.gaussian(0.02)));
-    EXPECT_THROW(calibrate(still), cv::Exception);
+    EXPECT_THROW(calibrateRotation(still), cv::Exception);
 
     PointScene unlinked = PointScene::complete();
     for (size_t view = 5; view < unlinked.imagePoints.size(); ++view)
         unlinked.imagePoints[view].setTo(std::numeric_limits<double>::quiet_NaN());
-    expectError([&] { calibrate(unlinked); }, Error::StsNoConv,
+    expectError([&] { calibrateRotation(unlinked); }, Error::StsNoConv,
                 {"too few points in common", "different orientation", "given 0 out of 30 points"});
 }
 

@@ -84,7 +84,7 @@ TEST(ActiveHandEye_Translations, wrong_input_is_named)
 {
     const PointScene good = PointScene::complete();
     PointScene bad = good;
-    const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+    const double nan = std::numeric_limits<double>::quiet_NaN();
     bad.t[3] = (Mat_<double>(3, 1) << 1., nan, 3.);
     expectError([&] { calibrate(bad); }, Error::StsBadArg, {"t_gripper2base[3]", "finite"});
     bad = good;
@@ -111,7 +111,7 @@ TEST(ActiveHandEye_Translations, wrong_input_is_named)
     bad.imagePoints[4] = good.imagePoints[4].t();
     expectError([&] { calibrate(bad); }, Error::StsBadSize, {"imagePoints[4]", "N x 2", "given 2 x 30"});
     bad.imagePoints[4] = good.imagePoints[4].clone();
-    bad.imagePoints[4].at<double>(7, 0) = inf;
+    bad.imagePoints[4].at<double>(7, 0) = infinity;
     expectError([&] { calibrate(bad); }, Error::StsBadArg, {"imagePoints[4]", "at point 7"});
     bad.imagePoints[4].at<double>(7, 0) = nan;
     expectError([&] { calibrate(bad); }, Error::StsBadArg, {"imagePoints[4]", "(NaN, NaN)", "at point 7"});
