@@ -9,6 +9,7 @@
 #   make sanitize  C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
 #   make fuzz      detectStripe under the sanitizers, and what reads a robot's bytes, with random input, FUZZ_SECONDS (60) each
 #   make docs      the site of the documentation in build/docs; warnings and dead links are errors
+#   make test-viz  the tests of `calibrate --rerun`, which need a viewer of 170 MB
 #   make ur-sample the C++ sample for UR arms: builds ur_rtde from its source package, and runs the sample against the emulator
 #   make opencv4, make opencv5   the module inside OpenCV: builds it there, runs all of its tests (half an hour the first time)
 #   make wheel     the source package and a wheel for each of PYTHONS (python3 of .venv), tried in bare environments; in build/wheel
@@ -24,6 +25,10 @@ BUILD := build/python
 JOBS ?= $(shell nproc)
 FUZZ_SECONDS ?= 60
 PYTHONS ?= $(BIN)/python
+# Python compiles what is imported when it is imported: most of what is installed never is.
+PIP_INSTALL = $(BIN)/python -m pip install --quiet --no-compile
+# A quarter of the time the tests wait for emulated robots.
+TEST_WORKERS ?= $(shell expr $(JOBS) + \( $(JOBS) + 1 \) / 2)
 
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
@@ -36,8 +41,8 @@ CPP_FILES := $(shell find modules/active_handeye/include modules/active_handeye/
 
 UR_RTDE := ur_rtde-1.6.5
 
-.PHONY: setup demo test test-cpp test-python lint format stubs bench sanitize fuzz docs gallery ur-sample opencv4 opencv5 wheel clang tidy \
-  clean distclean system-packages
+.PHONY: setup demo test test-cpp test-python test-viz lint format stubs bench sanitize fuzz docs gallery ur-sample opencv4 opencv5 wheel clang \
+  tidy clean distclean system-packages
 .DELETE_ON_ERROR:
 
 setup: $(VENV)/.installed
@@ -52,12 +57,12 @@ $(BIN)/python: | system-packages
 $(VENV)/.requirements: pyproject.toml scripts/requirements.py | $(BIN)/python
 	@echo "Installing Python packages into $(VENV)"
 	@$(BIN)/python scripts/requirements.py dev >$@.txt
-	@$(BIN)/python -m pip install --quiet --use-pep517 --requirement $@.txt
+	@$(PIP_INSTALL) --use-pep517 --requirement $@.txt
 	@touch $@
 
 $(VENV)/.installed: $(VENV)/.requirements $(CMAKE_FILES) $(CPP_FILES)
 	@echo "Building the C++ module and its Python extension (some minutes the first time)"
-	@$(BIN)/python -m pip install --quiet --no-build-isolation --no-deps --editable .
+	@$(PIP_INSTALL) --no-build-isolation --no-deps --editable .
 	@touch $@
 
 demo: setup
@@ -72,7 +77,10 @@ test-cpp: setup
 	ctest --test-dir $(BUILD) --parallel $(JOBS) --output-on-failure
 
 test-python: test-cpp
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(TEST_WORKERS) --dist loadfile --no-loadscope-reorder
+
+test-viz: setup $(VENV)/.viz
+	$(BIN)/python -m pytest test/unit/test_report_rerun.py
 
 lint: setup
 	git ls-files -z '*.cpp' '*.hpp' | xargs -0 $(BIN)/clang-format --dry-run -Werror
@@ -108,7 +116,7 @@ fuzz: setup $(VENV)/.fuzz
 $(VENV)/.docs: pyproject.toml | setup
 	@scripts/system-packages $(PYTHON) docs
 	@$(BIN)/python scripts/requirements.py docs >$@.txt
-	@$(BIN)/python -m pip install --quiet --requirement $@.txt
+	@$(PIP_INSTALL) --requirement $@.txt
 	@touch $@
 
 docs: setup $(VENV)/.docs
@@ -134,7 +142,7 @@ ur-sample: build/ur_rtde/.installed
 
 $(VENV)/.%: pyproject.toml scripts/requirements.py | setup
 	@$(BIN)/python scripts/requirements.py $* >$@.txt
-	@$(BIN)/python -m pip install --quiet --requirement $@.txt
+	@$(PIP_INSTALL) --requirement $@.txt
 	@touch $@
 
 wheel: setup $(VENV)/.wheel

@@ -35,7 +35,8 @@ def commands(job: dict[str, Any]) -> list[str]:
 
 def make_targets() -> set[str]:
     """What the Makefile says can be asked for."""
-    phony = re.search(r"^\.PHONY: (.*)$", (ROOT / "Makefile").read_text("utf-8"), re.MULTILINE)
+    makefile = (ROOT / "Makefile").read_text("utf-8").replace("\\\n", " ")
+    phony = re.search(r"^\.PHONY: (.*)$", makefile, re.MULTILINE)
     assert phony
     return set(phony[1].split())
 

@@ -17,6 +17,7 @@ from support.refined_recording import refined_recording
 from cv_active_handeye.report.rerun_log import require_rerun, write_rerun
 
 
+@pytest.mark.skipif(importlib.util.find_spec("rerun") is None, reason="`make test-viz` installs the viewer")
 @pytest.mark.parametrize("laser", [True, False], ids=["laser", "no laser"])
 def test_the_recording_holds_what_was_seen_from_every_view(laser: bool, tmp_path: Path) -> None:
     case = refined_recording(tmp_path / "set", views=8, points=40, laser=laser)
