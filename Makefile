@@ -45,7 +45,7 @@ UR_RTDE := ur_rtde-1.6.5
   tidy clean distclean system-packages
 .DELETE_ON_ERROR:
 
-setup: $(VENV)/.installed
+setup: $(VENV)/.requirements $(VENV)/.installed
 
 system-packages:
 	@scripts/system-packages $(PYTHON)
@@ -54,13 +54,19 @@ $(BIN)/python: | system-packages
 	@echo "Making the virtual environment $(VENV)"
 	@$(PYTHON) -m venv $(VENV)
 
-$(VENV)/.requirements: pyproject.toml scripts/requirements.py | $(BIN)/python
+# What the build needs comes first, so that `make --jobs=2` compiles while the rest is fetched.
+$(VENV)/.build: pyproject.toml scripts/requirements.py | $(BIN)/python
+	@$(BIN)/python scripts/requirements.py build >$@.txt
+	@$(PIP_INSTALL) --requirement $@.txt
+	@touch $@
+
+$(VENV)/.requirements: $(VENV)/.build
 	@echo "Installing Python packages into $(VENV)"
 	@$(BIN)/python scripts/requirements.py dev >$@.txt
 	@$(PIP_INSTALL) --use-pep517 --requirement $@.txt
 	@touch $@
 
-$(VENV)/.installed: $(VENV)/.requirements $(CMAKE_FILES) $(CPP_FILES)
+$(VENV)/.installed: $(VENV)/.build $(CMAKE_FILES) $(CPP_FILES)
 	@echo "Building the C++ module and its Python extension (some minutes the first time)"
 	@$(PIP_INSTALL) --no-build-isolation --no-deps --editable .
 	@touch $@
