@@ -55,7 +55,7 @@ class InTree:
 
     def configure(self) -> Line:
         """Run CMake; whether the module is in "To be built", since OpenCV leaves out modules without an error."""
-        self.build.mkdir(exist_ok=True)
+        self.build.mkdir(parents=True, exist_ok=True)
         command = ["cmake", "-S", str(self.source), "-B", str(self.build), "-G", "Ninja", *_options()]
         done = _run(command, self.build / "configure.log")
         done.check_returncode()

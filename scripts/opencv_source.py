@@ -16,6 +16,7 @@ PACKAGE = "opencv-python-headless"
 VERSIONS = {4: "4.14.0.94", 5: "5.0.0.93"}
 """The package's version for each major version of OpenCV."""
 
+
 def opencv_source(major: int) -> Path:
     """The folder with OpenCV's CMakeLists.txt; fetches and unpacks it the first time."""
     folder = ROOT / "build" / f"opencv-{VERSIONS[major]}"
