@@ -38,7 +38,7 @@ py::object makeErrorType()
     return type("error", py::make_tuple(py::handle(PyExc_Exception)), members);
 }
 
-void translate(std::exception_ptr thrown)
+void translate(std::exception_ptr thrown) // NOLINT(performance-unnecessary-value-param): what pybind11 calls
 {
     try
     {

@@ -110,7 +110,7 @@ using ExtendedResult = py::typing::Tuple<double, py::array_t<double>, py::array_
 //! The result itself, or the caller's array filled with it.
 py::array_t<double> output(const OptionalArrayLike& given, const cv::Mat& result, const std::string& name)
 {
-    const auto values = array<double>(result);
+    auto values = array<double>(result);
     if (given.is_none())
         return values;
     const bool fits = py::isinstance<py::array_t<double>>(given) && given.attr("shape").equal(values.attr("shape"));

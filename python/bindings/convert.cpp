@@ -90,6 +90,7 @@ std::vector<cv::Mat> matrices(const py::object& values, const std::string& name)
         refuse(name, "a sequence of arrays", "an array of " + std::to_string(py::array(values).ndim()) + " dimensions");
     std::vector<cv::Mat> list;
     const auto sequence = py::reinterpret_borrow<py::sequence>(values);
+    list.reserve(sequence.size());
     for (size_t i = 0; i < sequence.size(); ++i)
         list.push_back(matrix(sequence[i], name + "[" + std::to_string(i) + "]"));
     return list;

@@ -25,14 +25,14 @@ inline bool isAnything(PyObject*)
 class ArrayLike : public py::object
 {
 public:
-    PYBIND11_OBJECT_DEFAULT(ArrayLike, py::object, isAnything)
+    PYBIND11_OBJECT_DEFAULT(ArrayLike, py::object, isAnything) // NOLINT(misc-explicit-constructor)
 };
 
 //! The same, or None for "not given".
 class OptionalArrayLike : public py::object
 {
 public:
-    PYBIND11_OBJECT_DEFAULT(OptionalArrayLike, py::object, isAnything)
+    PYBIND11_OBJECT_DEFAULT(OptionalArrayLike, py::object, isAnything) // NOLINT(misc-explicit-constructor)
 };
 
 //! Doubles of the same shape; a vector of n becomes n x 1.

@@ -12,6 +12,7 @@
 #if EIGEN_WORLD_VERSION == 3 && EIGEN_MAJOR_VERSION == 4
 
 // DECLARED: extern, or nothing for the definition.
+// NOLINTBEGIN(bugprone-macro-parentheses)
 #define ACTIVE_HANDEYE_EIGEN_KERNELS(DECLARED)                                                                         \
     DECLARED template struct gebp_kernel<double, double, Index, MatrixOfDoubles, gebp_traits<double, double>::mr,      \
                                          gebp_traits<double, double>::nr, false, false>;                               \
@@ -29,6 +30,7 @@
                                                                                            Index);                     \
     DECLARED template void evaluateProductBlockingSizesHeuristic<double, double, 4, Index>(Index&, Index&, Index&,     \
                                                                                            Index);
+// NOLINTEND(bugprone-macro-parentheses)
 
 namespace Eigen { namespace internal {
 

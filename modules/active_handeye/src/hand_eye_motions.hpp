@@ -6,9 +6,6 @@
 #define OPENCV_ACTIVE_HANDEYE_HAND_EYE_MOTIONS_HPP
 
 #include "pose.hpp"
-namespace cv { namespace active_handeye {
-AlignedVector<Pose> readPoses(InputArrayOfArrays, InputArrayOfArrays, const char*, const char*, size_t);
-}} // namespace cv::active_handeye
 
 namespace cv { namespace active_handeye {
 

@@ -120,7 +120,7 @@ HandEyeStart findHandEyeStart(const HandEyeViews& views)
             start.views.push_back(view);
     }
     if (start.views.size() < 3 || int(start.views.size()) == views.count() - 1) // one wrong view cannot hide itself
-        start.views = all;
+        start.views = std::move(all);
     return start;
 }
 

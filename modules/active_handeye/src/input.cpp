@@ -117,6 +117,7 @@ std::vector<Matrix3d> readRotations(InputArrayOfArrays R, const char* name)
 {
     const std::vector<Numbers> list = readList(R);
     std::vector<Matrix3d> rotations;
+    rotations.reserve(list.size());
     for (size_t i = 0; i < list.size(); ++i)
         rotations.push_back(toRotation(list[i], itemName(name, i)));
     return rotations;

@@ -146,7 +146,7 @@ void LightPlaneCalibration::dropThinSurfaces()
             directions.push_back(directions_[s]);
         }
     surfaces = kept;
-    directions_ = directions;
+    directions_ = std::move(directions);
 }
 
 void LightPlaneCalibration::failContradiction() const

@@ -25,7 +25,7 @@ std::string inBase(const Vector3d& direction, int group, const GroupOrientations
 std::string axisInBase(const Vector3d& axis, int group, const GroupOrientations& cam2base)
 {
     const Vector3d v = cam2base[group] * axis;
-    int largest;
+    int largest = 0;
     v.cwiseAbs().maxCoeff(&largest);
     return inBase(v[largest] < 0 ? Vector3d(-axis) : axis, group, cam2base);
 }

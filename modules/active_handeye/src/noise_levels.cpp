@@ -129,7 +129,7 @@ double VarianceComponents::traceOfProduct(int k, int l) const
     if (k == NOISE_STRIPE || l == NOISE_STRIPE)
     {
         const int robot = std::max(k, l); // tr(T_s C M) = sum_i (T_s C)_ii M_ii
-        return (stripeProduct_.cwiseProduct(covariance_).rowwise().sum()).dot(prior_[robot]) / variance_[robot];
+        return stripeProduct_.cwiseProduct(covariance_).rowwise().sum().dot(prior_[robot]) / variance_[robot];
     }
     return prior_[k].dot(covariance_.cwiseAbs2() * prior_[l]) / (variance_[k] * variance_[l]);
 }

@@ -63,6 +63,7 @@ std::vector<Numbers> readList(const _InputArray& a)
     if (!isListOfMats(a))
         return slicesOf(a.getMat());
     std::vector<Numbers> list;
+    list.reserve(a.total());
     for (int i = 0; i < int(a.total()); ++i)
         list.push_back(numbersOf(a.getMat(i)));
     return list;

@@ -26,7 +26,7 @@ Eigen::VectorXd unitsOf(const MatrixXd& basis, const CalibrationStep& units)
     Eigen::VectorXd scale(basis.cols());
     for (int i = 0; i < basis.cols(); ++i)
     {
-        int largest;
+        int largest = 0;
         basis.col(i).cwiseAbs().maxCoeff(&largest);
         scale(i) = units(largest);
     }

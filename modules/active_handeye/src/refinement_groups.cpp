@@ -48,7 +48,7 @@ static StripeSegments segmentsWithout(const std::vector<int>& views, const Strip
 //! Of normal (rad) and offset; infinite when the other stripes do not determine the light plane.
 Vector2d HandEyeRefinement::lightPlaneDeviationsWithout(const std::vector<int>& views) const
 {
-    const Vector2d unknown = Vector2d::Constant(std::numeric_limits<double>::infinity());
+    Vector2d unknown = Vector2d::Constant(std::numeric_limits<double>::infinity());
     CalibrationState state = problem_.state;
     StripeSegments segments = segmentsWithout(views, segments_, state.surfaces);
     if (segments.empty())

@@ -12,7 +12,10 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-static const Vector3d undetermined = Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+static Vector3d undetermined()
+{
+    return Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+}
 
 SceneTracks::SceneTracks(const std::vector<Pixels>& imagePoints, const std::vector<std::vector<double>>& pointSigmas,
                          const AlignedVector<Vector3d>& objectPoints)
@@ -75,7 +78,7 @@ Vector3d nearestPoint(const Rays& rays)
         b += across * (ray.origin - origin);
     }
     const double parallax = A.ldlt().vectorD().minCoeff() / double(rays.size());
-    return parallax > 1e-12 ? Vector3d(origin + A.ldlt().solve(b)) : undetermined;
+    return parallax > 1e-12 ? Vector3d(origin + A.ldlt().solve(b)) : undetermined();
 }
 
 double pixelError(const SceneTracks& tracks, const CalibrationState& state, const CameraViews& views, const Vector3d& X,
@@ -92,7 +95,7 @@ double pixelError(const SceneTracks& tracks, const CalibrationState& state, cons
 Vector3d agreedPoint(const Rays& rays, const SceneTracks& tracks, const CalibrationState& state,
                      const CameraViews& views, double tolerance)
 {
-    Vector3d best = undetermined;
+    Vector3d best = undetermined();
     double bestCost = std::numeric_limits<double>::infinity();
     const size_t most = 12, stride = std::max<size_t>(1, rays.size() / most);
     for (size_t a = 0; a < rays.size(); a += stride)
@@ -117,7 +120,7 @@ Vector3d agreedPoint(const Rays& rays, const SceneTracks& tracks, const Calibrat
 void triangulate(const SceneTracks& tracks, double tolerance, CalibrationState& state)
 {
     const CameraViews views = state.views();
-    state.points.assign(tracks.count(), undetermined);
+    state.points.assign(tracks.count(), undetermined());
     for (int track = 0; track < tracks.count(); ++track)
     {
         Rays rays;

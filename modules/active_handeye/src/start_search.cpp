@@ -69,7 +69,7 @@ HandEyeCalibration startOf(const StartArguments& given, const RefineParams& para
         const int flags = K.empty() ? translationsFlags(params) : int(TRANSLATIONS_FIX_K);
         translationsClosedForm(given.R_gripper2base, given.t_gripper2base, given.imagePoints, startK, given.distCoeffs,
                                startR, noArray(), TRANSLATIONS_METRIC, flags, params.orientationTolerance, doubts);
-        K = startK;
+        K = std::move(startK);
         R = R.empty() ? startR : R;
     }
     HandEyeCalibration start;

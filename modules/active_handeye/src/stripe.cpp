@@ -141,7 +141,7 @@ private:
     void removeShortRuns(int minRun)
     {
         size_t kept = 0;
-        for (size_t begin = 0, end; begin < points_.size(); begin = end)
+        for (size_t begin = 0, end = 0; begin < points_.size(); begin = end)
         {
             end = begin + 1;
             while (end < points_.size() && areNeighbours(points_[end - 1], points_[end]))

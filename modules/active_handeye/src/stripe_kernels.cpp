@@ -11,10 +11,6 @@ namespace {
 #include "stripe_kernels.simd.hpp"
 } // namespace
 
-#ifdef ACTIVE_HANDEYE_AVX2
-StripeKernels stripeKernelsAvx2();
-#endif
-
 StripeKernels portableStripeKernels()
 {
     return allKernels();

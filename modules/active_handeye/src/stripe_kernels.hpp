@@ -90,6 +90,10 @@ const StripeKernels& stripeKernels();
 //! Those that every processor can run.
 StripeKernels portableStripeKernels();
 
+#ifdef ACTIVE_HANDEYE_AVX2
+StripeKernels stripeKernelsAvx2();
+#endif
+
 }} // namespace cv::active_handeye
 
 #endif

@@ -153,7 +153,8 @@ gauss[i] u^(i - middle) with u = exp(centre / sigma^2) is the profile up to a fa
 */
 void startSums(const StripeFit& fit, FitSums& sums)
 {
-    const float inverseVariance = fit.inverseVariance, middle = float(fit.taps / 2);
+    const int middleTap = fit.taps / 2;
+    const float inverseVariance = fit.inverseVariance, middle = float(middleTap);
     for (int x = 0; x < FIT_LANES; ++x)
     {
         const float c = fit.centre[x];
@@ -173,7 +174,8 @@ void addRows(const StripeFit& fit, int first, FitSums& sums)
     const float* STRIPE_RESTRICT weight = fit.weight + first * FIT_LANES;
     const float* STRIPE_RESTRICT albedo = fit.albedo + first * FIT_LANES;
     const float* STRIPE_RESTRICT gauss = fit.gauss + first;
-    const float start = float(first - fit.taps / 2);
+    const int fromMiddle = first - fit.taps / 2;
+    const float start = float(fromMiddle);
     const float grain = fit.grain;
     const bool isAny = MODEL == PIXELS_ANY;
     FitSums& STRIPE_RESTRICT s = sums;
@@ -215,7 +217,8 @@ void addRows(const StripeFit& fit, int first, FitSums& sums)
 //! Gauss-Newton with height and offset eliminated.
 void stepCentres(const FitSums& sums, StripeFit& fit)
 {
-    const float inverseVariance = fit.inverseVariance, largestStep = fit.largestStep, middle = float(fit.taps / 2);
+    const int middleTap = fit.taps / 2;
+    const float inverseVariance = fit.inverseVariance, largestStep = fit.largestStep, middle = float(middleTap);
     const float noiseScale = 4e2f / (fit.pixelNoise * fit.pixelNoise); // a twentieth of a standard deviation
     StripeFit& STRIPE_RESTRICT f = fit;
     for (int x = 0; x < FIT_LANES; ++x)

@@ -14,8 +14,6 @@ namespace {
 #include "stripe_kernels.simd.hpp"
 } // namespace
 
-StripeKernels stripeKernelsAvx2();
-
 StripeKernels stripeKernelsAvx2()
 {
     return allKernels();

@@ -17,6 +17,7 @@ double medianOf(std::vector<double>& values)
 void StripeResiduals::collect(const StripeFit& fit, int lane, bool isAny)
 {
     const double height = fit.height[lane], dark = isAny ? fit.background[lane] : 0;
+    const int middle = fit.taps / 2;
     double n = 0, g1 = 0, gg = 0, qq = 0;
     residuals_.clear();
     for (int i = 0; i < fit.taps; ++i)
@@ -24,7 +25,7 @@ void StripeResiduals::collect(const StripeFit& fit, int lane, bool isAny)
         const int at = i * FIT_LANES + lane;
         if (isAny && fit.weight[at] == 0)
             continue;
-        const double apart = i - fit.taps / 2 - double(fit.centre[lane]), albedo = isAny ? fit.albedo[at] : 1;
+        const double apart = double(i - middle) - double(fit.centre[lane]), albedo = isAny ? fit.albedo[at] : 1;
         const double g = std::exp(-0.5 * apart * apart * fit.inverseVariance), q = g * apart;
         const double gain = dark > 0 ? 1 + height * g / dark : 1, variance = 0.5 * (1 + gain * gain);
         const double residual = fit.signal[at] - albedo * (height * g + fit.offset[lane]);

@@ -125,13 +125,13 @@ void StripeSearch::findWindows(const StripeFrame& frame, const StripeRowKernels<
         if (i > 0)
             kernels.average(n, previous, block, window(i - 1));
         previous = block;
-        const int centre = i - 3,
+        const int centre = i - 3, strip = (centre - 2) / windowsOfStrip_,
                   place = (centre - 2) % windowsOfStrip_; // the windows before and after do not overlap it
         if (centre < 2)
             continue;
         kernels.score(n, T(place), window(centre), window(centre - 2), window(centre + 2), highest, which);
         if (place == windowsOfStrip_ - 1 || centre == lastWindow)
-            kernels.merge(n, T((centre - 2) / windowsOfStrip_), T(windowsOfStrip_), T(apart), highest, which, peaks);
+            kernels.merge(n, T(strip), T(windowsOfStrip_), T(apart), highest, which, peaks);
     }
     const auto middleRow = [&](T strip, T place)
     { return (int(strip) * windowsOfStrip_ + int(place) + 3) * half_ - 1; };

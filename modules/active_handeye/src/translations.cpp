@@ -45,6 +45,7 @@ private:
 void requireTracks(const Tracks& tracks, const std::vector<Pixels>& pixels, int parameters)
 {
     std::vector<int> points;
+    points.reserve(size_t(tracks.count()));
     for (int j = 0; j < tracks.count(); ++j)
         points.push_back(tracks.observations[tracks.first[j]].point);
     std::sort(points.begin(), points.end());
@@ -168,8 +169,8 @@ Estimate estimateFromFOEs(const GroupTranslations& motion, const std::vector<Pix
     { return -x.e.dot(modelOf(x).shift(solver.vector(projection)).normalized()); };
     for (const Expansion& expansion : expansions)
         agreement += along(expansion);
-    if (agreement < 0 && solver.mirror(projection))
-        agreement = -agreement;
+    if (agreement < 0)
+        solver.mirror(projection);
     for (const Expansion& expansion : expansions)
         if (along(expansion) < 0)
             CV_Error(

@@ -133,7 +133,7 @@ void ViewChoice::addGroups(int stops)
         std::vector<int> best;
         for (int group = 0; group < int(groups_.size()); ++group)
         {
-            double variance;
+            double variance = infinity;
             const std::vector<int> views = isSatisfied(group) ? std::vector<int>() : completion(group, variance);
             if (!views.empty() && variance < least)
                 least = variance, best = views;
@@ -196,7 +196,7 @@ void ViewChoice::choose(int stops, int exchanges)
             CV_Error(Error::StsNoConv, cv::format("stops: needed %d, but only %d views see enough of the scene "
                                                   "(planParams.seenShare)",
                                                   stops, int(chosen_.size())));
-        double variance;
+        double variance = infinity;
         add(best(possible, variance));
     }
     bool helped = true;
