@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 #include "opencv2/core.hpp"
+#undef INSTANTIATE_TEST_CASE_P // deprecated here
+#define INSTANTIATE_TEST_CASE_P INSTANTIATE_TEST_SUITE_P
 #else
 #include <limits>
 #include "opencv2/ts.hpp"
