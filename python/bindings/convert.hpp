@@ -25,14 +25,14 @@ inline bool isAnything(PyObject*)
 class ArrayLike : public py::object
 {
 public:
-    PYBIND11_OBJECT_DEFAULT(ArrayLike, py::object, isAnything) // NOLINT(misc-explicit-constructor)
+    PYBIND11_OBJECT_DEFAULT(ArrayLike, py::object, isAnything) // NOLINT(misc-explicit-constructor): pybind11's
 };
 
 //! The same, or None for "not given".
 class OptionalArrayLike : public py::object
 {
 public:
-    PYBIND11_OBJECT_DEFAULT(OptionalArrayLike, py::object, isAnything) // NOLINT(misc-explicit-constructor)
+    PYBIND11_OBJECT_DEFAULT(OptionalArrayLike, py::object, isAnything) // NOLINT(misc-explicit-constructor): pybind11's
 };
 
 //! Doubles of the same shape; a vector of n becomes n x 1.

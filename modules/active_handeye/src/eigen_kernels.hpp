@@ -3,7 +3,7 @@
 // of this distribution and at http://opencv.org/license.html.
 
 // Eigen's kernels of matrix products, instantiated once, in eigen_kernels.cpp: compiled into every source that multiplies matrices
-// they were a third of the library. They are internals of Eigen 3.4; beside another version each source compiles its own.
+// they were 29 % of the code of eight that were measured. They are internals of Eigen 3.4; beside another version each source compiles its own.
 #ifndef OPENCV_ACTIVE_HANDEYE_EIGEN_KERNELS_HPP
 #define OPENCV_ACTIVE_HANDEYE_EIGEN_KERNELS_HPP
 
@@ -12,7 +12,7 @@
 #if EIGEN_WORLD_VERSION == 3 && EIGEN_MAJOR_VERSION == 4
 
 // DECLARED: extern, or nothing for the definition.
-// NOLINTBEGIN(bugprone-macro-parentheses)
+// NOLINTBEGIN(bugprone-macro-parentheses): a keyword cannot stand in parentheses
 #define ACTIVE_HANDEYE_EIGEN_KERNELS(DECLARED)                                                                         \
     DECLARED template struct gebp_kernel<double, double, Index, MatrixOfDoubles, gebp_traits<double, double>::mr,      \
                                          gebp_traits<double, double>::nr, false, false>;                               \

@@ -81,7 +81,8 @@ public:
 
     RigidMotion draw(double leastDeg, double mostDeg, double least, double most)
     {
-        const Vec3d axis(rng.uniform(-1., 1.), rng.uniform(-1., 1.), rng.uniform(-1., 1.));
+        const double z = rng.uniform(-1., 1.), y = rng.uniform(-1., 1.), x = rng.uniform(-1., 1.);
+        const Vec3d axis(x, y, z);
         const Matx33d R = rotation(axis * (rng.uniform(leastDeg, mostDeg) * CV_PI / 180));
         Vec3d t;
         for (int i = 0; i < 3; ++i)

@@ -38,7 +38,11 @@ public:
         R_cam2gripper = rotation(Vec3d(0.05, -0.03, 1.5));
         t_cam2gripper = Vec3d(-5, 103, 104);
         for (int j = 0; j < points; ++j)
-            X.push_back(Vec3d(300 + rng.uniform(-90., 90.), rng.uniform(-70., 70.), rng.uniform(-60., 60.)));
+        {
+            // Compilers may evaluate arguments in any order; so all of them draw the same scene.
+            const double z = rng.uniform(-60., 60.), y = rng.uniform(-70., 70.), x = 300 + rng.uniform(-90., 90.);
+            X.push_back(Vec3d(x, y, z));
+        }
     }
 
     //! A copy shares nothing with its original.

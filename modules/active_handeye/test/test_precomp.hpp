@@ -10,16 +10,15 @@
 #include <gtest/gtest.h>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 #include "opencv2/core.hpp"
 #undef INSTANTIATE_TEST_CASE_P // deprecated here
 #define INSTANTIATE_TEST_CASE_P INSTANTIATE_TEST_SUITE_P
 #else
-#include <limits>
 #include "opencv2/ts.hpp"
 #endif
+#include <limits>
 
 #include "opencv2/active_handeye.hpp"
 
