@@ -17,13 +17,13 @@ Normalization::Normalization(const std::vector<const Pixels*>& lists) : centroid
     if (count == 0)
         return;
     centroid /= double(count);
-    double distance = 0;
+    double distances = 0;
     for (const Pixels* pixels : lists)
         for (const Eigen::Vector2d& x : *pixels)
             if (x.allFinite())
-                distance += (x - centroid).norm() / double(count);
-    if (distance > 0)
-        scale = std::sqrt(2.) / distance;
+                distances += (x - centroid).norm();
+    if (distances > 0)
+        scale = std::sqrt(2.) * double(count) / distances;
 }
 
 Eigen::Matrix3d Normalization::matrix() const

@@ -167,6 +167,11 @@ Projection ProjectionSolver::minimize(const Matrix9d& S) const
         start.K(0, 1) = flags_ & TRANSLATIONS_FIX_K ? K_(0, 1) : 0;
     if ((flags_ & TRANSLATIONS_SQUARE_PIXELS) && !(flags_ & TRANSLATIONS_FIX_K))
         start.K(0, 0) = start.K(1, 1) = std::sqrt(start.K(0, 0) * start.K(1, 1));
+    return minimizeFrom(start, S);
+}
+
+Projection ProjectionSolver::minimizeFrom(const Projection& start, const Matrix9d& S) const
+{
     FormProblem problem(S, T_, free_, start);
     solveLeastSquares(problem);
     return problem.projection;

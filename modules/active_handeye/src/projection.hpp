@@ -44,6 +44,9 @@ public:
     //! Minimum of p^T S p over what is free, |p| = 1.
     Projection minimize(const Matrix9d& S) const;
 
+    //! The minimum that descent from `start` reaches.
+    Projection minimizeFrom(const Projection& start, const Matrix9d& S) const;
+
     //! Covariance of the 8 parameters when S holds residuals of standard deviation sigma.
     Eigen::MatrixXd covariance(const Projection& projection, const Matrix9d& S, double sigma) const;
 

@@ -67,7 +67,7 @@ public:
     }
 
     bool updateImages(const Vector4d&) CV_OVERRIDE { return false; }
-    bool mirror(Vector4d&) CV_OVERRIDE { return false; }
+    bool mirror(const Matrix4d&, Vector4d&) CV_OVERRIDE { return false; }
     MatrixXd tangent() const CV_OVERRIDE { return Eigen::Matrix<double, 4, 3>::Identity() * observed_; }
 
     //! Covariance of t for residuals of standard deviation sigma, in units of length^2, within what is observed.

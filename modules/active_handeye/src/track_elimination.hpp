@@ -12,6 +12,9 @@
 
 namespace cv { namespace active_handeye {
 
+//! A symmetric 3 x 3 matrix: xx, xy, xz, yy, yz, zz.
+typedef Eigen::Matrix<double, 6, 1> SymmetricForm;
+
 //! D_i of x ~ Z - P b_i with p = vec(P), row by row: - (I kron b_i^T).
 struct TranslationModel
 {
@@ -23,7 +26,18 @@ struct TranslationModel
 
     Eigen::Matrix<double, 3, 9> D() const;
     Eigen::Vector3d shift(const Vector9d& p) const;
-    void addProduct(const Eigen::Matrix3d& M, Eigen::Matrix<double, 3, 9>& sum) const; //!< sum += M D
+
+    //! Sums of M and M D over the observations of one point.
+    class Sums
+    {
+    public:
+        void add(const SymmetricForm& M, const TranslationModel& model);
+        Eigen::Matrix3d M() const;
+        Eigen::Matrix<double, 3, 9, Eigen::RowMajor> MD() const;
+
+    private:
+        Eigen::Matrix<double, 6, 4> sums_ = Eigen::Matrix<double, 6, 4>::Zero(); // M, and M times each coordinate of b
+    };
 };
 
 //! D_i of a scene point in the base frame seen by a camera at R_i t + t_i: p = (t, 1), D_i = - (R_i, t_i).
@@ -33,11 +47,23 @@ struct RotationModel
     {
         parameters = 4
     };
-    Eigen::Matrix<double, 3, 4> negative;
+    Eigen::Matrix<double, 3, 4, Eigen::RowMajor> negative;
 
     Eigen::Matrix<double, 3, 4> D() const { return -negative; }
     Eigen::Vector3d shift(const Eigen::Vector4d& p) const { return -negative * p; }
-    void addProduct(const Eigen::Matrix3d& M, Eigen::Matrix<double, 3, 4>& sum) const { sum.noalias() -= M * negative; }
+
+    //! Sums of M and M D over the observations of one point.
+    class Sums
+    {
+    public:
+        void add(const SymmetricForm& M, const RotationModel& model);
+        Eigen::Matrix3d M() const;
+        Eigen::Matrix<double, 3, 4, Eigen::RowMajor> MD() const { return -product_; }
+
+    private:
+        SymmetricForm M_ = SymmetricForm::Zero();
+        Eigen::Matrix<double, 3, 4, Eigen::RowMajor> product_ = Eigen::Matrix<double, 3, 4>::Zero();
+    };
 };
 
 //! A small turn of the camera of a view, as image motion at the focal length in units of x: shift x, shift y, roll.
@@ -53,7 +79,7 @@ struct Observation
     int point;                //!< column of imagePoints
     Eigen::Vector2d measured; //!< image point
     Eigen::Vector2d x;        //!< the same without the jitter of its view
-    Eigen::Matrix3d form;     //!< M
+    SymmetricForm form;       //!< M
 };
 
 //! Observations sorted by track: track j is observations[first[j]] .. observations[first[j + 1] - 1].
@@ -82,28 +108,39 @@ struct Tracks
     double medianParallax() const;
 };
 
-//! What a track says about its point: A = L L^T, written out since general solvers are several times slower on 3 x 3.
+//! What a track says about its point Z for Q parameters p: A Z + B p = 0 with A = L D L^T, L of unit diagonal, written out since general
+//! solvers are several times slower on 3 x 3.
+template <int Q>
 class EliminatedPoint
 {
 public:
+    typedef Eigen::Matrix<double, 3, Q, Eigen::RowMajor> Rows;
+
     //! Not usable: fewer than two observations, or no parallax.
-    void set(const Eigen::Matrix3d& A, int observations);
+    void set(const Eigen::Matrix3d& A, const Rows& B, int observations);
     bool usable() const { return usable_; }
 
-    //! B <- L^-1 B.
-    template <int Q>
-    void solveLower(Eigen::Matrix<double, 3, Q>& B) const
+    //! C <- L^-1 C.
+    template <class Matrix>
+    void solveLower(Matrix& C) const
     {
-        B.row(0) *= l00_;
-        B.row(1) = (B.row(1) - l10_ * B.row(0)) * l11_;
-        B.row(2) = (B.row(2) - l20_ * B.row(0) - l21_ * B.row(1)) * l22_;
+        C.row(1) -= l10_ * C.row(0);
+        C.row(2) -= l20_ * C.row(0) + l21_ * C.row(1);
     }
 
-    //! A^-1 b.
-    Eigen::Vector3d solve(const Eigen::Vector3d& b) const;
+    //! D^-1.
+    const Eigen::Vector3d& inversePivots() const { return inversePivots_; }
+
+    //! L^-1 B.
+    const Rows& reduced() const { return reduced_; }
+
+    //! Z of given p.
+    Eigen::Vector3d at(const Eigen::Matrix<double, Q, 1>& p) const;
 
 private:
-    double l00_, l10_, l11_, l20_, l21_, l22_; // the diagonal inverted
+    Rows reduced_;
+    Eigen::Vector3d inversePivots_;
+    double l10_, l20_, l21_;
     bool usable_;
 };
 
@@ -114,7 +151,7 @@ Observations of weight 0 do not count. `points` receives what evaluateTracks() n
 template <class Model>
 Eigen::Matrix<double, Model::parameters, Model::parameters>
 eliminateTracks(const Tracks& tracks, const AlignedVector<Model>& models, const std::vector<double>& weights,
-                AlignedVector<EliminatedPoint>& points);
+                AlignedVector<EliminatedPoint<Model::parameters>>& points);
 
 //! Depth and reprojection error of every observation.
 struct TrackResiduals
@@ -126,9 +163,9 @@ struct TrackResiduals
 //! Residuals for given p with every point put back, in views that see Y at toImage Y; NaN for points that are not usable.
 template <class Model>
 void evaluateTracks(const Tracks& tracks, const AlignedVector<Model>& models,
-                    const AlignedVector<Eigen::Matrix3d>& toImage, const std::vector<double>& weights,
-                    const AlignedVector<EliminatedPoint>& points, const Eigen::Matrix<double, Model::parameters, 1>& p,
-                    TrackResiduals& residuals);
+                    const AlignedVector<Eigen::Matrix3d>& toImage,
+                    const AlignedVector<EliminatedPoint<Model::parameters>>& points,
+                    const Eigen::Matrix<double, Model::parameters, 1>& p, TrackResiduals& residuals);
 
 }} // namespace cv::active_handeye
 

@@ -26,8 +26,8 @@ public:
     //! Sets toImage as far as it depends on the present p; false when it does not.
     virtual bool updateImages(const Parameters& p) = 0;
 
-    //! Replaces p by the other answer with the same residuals and depths of opposite sign; false when there is none.
-    virtual bool mirror(Parameters& p) = 0;
+    //! Replaces p by the other minimum of p^T S p, where all depths have the opposite sign; false when there is none.
+    virtual bool mirror(const Form& S, Parameters& p) = 0;
 
     //! Directions in which the present p may move, one a column.
     virtual Eigen::MatrixXd tangent() const = 0;

@@ -194,12 +194,12 @@ private:
     void keepNear(const Parameters& previous)
     {
         Parameters other = p_;
-        if (!problem_.mirror(other))
+        if (!problem_.mirror(S_, other))
             return;
-        if ((other - previous).norm() < (p_ - previous).norm())
-            p_ = other;
-        else
-            problem_.mirror(other);
+        const bool otherIsNearer = (other - previous).norm() < (p_ - previous).norm();
+        p_ = other;
+        if (!otherIsNearer)
+            problem_.mirror(S_, p_);
     }
 
     void setWeights()
@@ -215,7 +215,7 @@ private:
         S_ = eliminateTracks(problem_.tracks, problem_.models, weights_, points_);
         p_ = problem_.minimize(S_);
         evaluate();
-        if (isBehindCamera() && problem_.mirror(p_))
+        if (isBehindCamera() && problem_.mirror(S_, p_))
             evaluate();
         findOutliers();
     }
@@ -244,7 +244,7 @@ private:
     //! Depths and residuals of all observations for the present p.
     void evaluate()
     {
-        evaluateTracks(problem_.tracks, problem_.models, problem_.toImage, weights_, points_, p_, residuals_);
+        evaluateTracks(problem_.tracks, problem_.models, problem_.toImage, points_, p_, residuals_);
         known_ = behind_ = 0;
         for (double depth : residuals_.depth)
             if (!std::isnan(depth))
@@ -333,7 +333,7 @@ private:
     std::vector<int> observed_, contradictionsOfView_; // observations per view
     std::vector<char> excluded_;
     std::vector<double> depth_, robust_, weights_;
-    AlignedVector<EliminatedPoint> points_;
+    AlignedVector<EliminatedPoint<Model::parameters>> points_;
     TrackResiduals residuals_;
     typename TrackProblem<Model>::Form S_ = TrackProblem<Model>::Form::Zero();
     Parameters p_ = Parameters::Zero();

@@ -45,7 +45,7 @@ template <class Model>
 JitterForm<Model::parameters>
 eliminateTracksWithJitter(const Tracks& tracks, const AlignedVector<Model>& models,
                           const AlignedVector<Matrix3d>& toImage, const std::vector<double>& weights,
-                          const std::vector<double>& depth, AlignedVector<EliminatedPoint>& points)
+                          const std::vector<double>& depth, AlignedVector<EliminatedPoint<Model::parameters>>& points)
 {
     enum
     {
@@ -62,7 +62,6 @@ eliminateTracksWithJitter(const Tracks& tracks, const AlignedVector<Model>& mode
     {
         if (!points[j].usable())
             continue;
-        Eigen::Matrix<double, 3, Q> Zp = Eigen::Matrix<double, 3, Q>::Zero();
         Zj.clear();
         for (int o = tracks.first[j]; o < tracks.first[j + 1]; ++o)
         {
@@ -73,21 +72,22 @@ eliminateTracksWithJitter(const Tracks& tracks, const AlignedVector<Model>& mode
             const Eigen::Matrix<double, 2, 3> rows = A.topRows<2>() - observation.x * A.row(2);
             const JitterMotion E = tracks.jitterMotion(observation);
             const Eigen::Matrix<double, 3, JITTER_NUMBERS> product = (weights[o] * depth[o]) * (rows.transpose() * E);
-            models[observation.view].addProduct(weights[o] * observation.form, Zp);
             form.jp.template block<JITTER_NUMBERS, Q>(at, 0) += product.transpose() * models[observation.view].D();
             form.jj.template block<JITTER_NUMBERS, JITTER_NUMBERS>(at, at) +=
                 (weights[o] * depth[o] * depth[o]) * (E.transpose() * E);
             Zj.push_back(product);
             points[j].solveLower(Zj.back());
         }
-        points[j].solveLower(Zp);
+        const typename EliminatedPoint<Q>::Rows& Zp = points[j].reduced();
         const Observation* track = &tracks.observations[tracks.first[j]];
         for (size_t a = 0; a < Zj.size(); ++a)
         {
-            form.jp.template block<JITTER_NUMBERS, Q>(J * track[a].view, 0) -= Zj[a].transpose() * Zp;
+            const Eigen::Matrix<double, JITTER_NUMBERS, 3> scaled =
+                Zj[a].transpose() * points[j].inversePivots().asDiagonal();
+            form.jp.template block<JITTER_NUMBERS, Q>(J * track[a].view, 0) -= scaled * Zp;
             for (size_t b = 0; b < Zj.size(); ++b)
                 form.jj.template block<JITTER_NUMBERS, JITTER_NUMBERS>(J * track[a].view, J * track[b].view) -=
-                    Zj[a].transpose() * Zj[b];
+                    scaled * Zj[b];
         }
     }
     return form;
@@ -98,10 +98,10 @@ template struct JitterForm<4>;
 template JitterForm<9>
 eliminateTracksWithJitter<TranslationModel>(const Tracks&, const AlignedVector<TranslationModel>&,
                                             const AlignedVector<Matrix3d>&, const std::vector<double>&,
-                                            const std::vector<double>&, AlignedVector<EliminatedPoint>&);
+                                            const std::vector<double>&, AlignedVector<EliminatedPoint<9>>&);
 template JitterForm<4> eliminateTracksWithJitter<RotationModel>(const Tracks&, const AlignedVector<RotationModel>&,
                                                                 const AlignedVector<Matrix3d>&,
                                                                 const std::vector<double>&, const std::vector<double>&,
-                                                                AlignedVector<EliminatedPoint>&);
+                                                                AlignedVector<EliminatedPoint<4>>&);
 
 }} // namespace cv::active_handeye

@@ -33,7 +33,7 @@ template <class Model>
 JitterForm<Model::parameters>
 eliminateTracksWithJitter(const Tracks& tracks, const AlignedVector<Model>& models,
                           const AlignedVector<Eigen::Matrix3d>& toImage, const std::vector<double>& weights,
-                          const std::vector<double>& depth, AlignedVector<EliminatedPoint>& points);
+                          const std::vector<double>& depth, AlignedVector<EliminatedPoint<Model::parameters>>& points);
 
 }} // namespace cv::active_handeye
 

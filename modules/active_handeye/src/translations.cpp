@@ -35,7 +35,7 @@ public:
     {}
 
     Vector9d minimize(const Matrix9d&) CV_OVERRIDE { return p_; }
-    bool mirror(Vector9d&) CV_OVERRIDE { return false; }
+    bool mirror(const Matrix9d&, Vector9d&) CV_OVERRIDE { return false; }
     MatrixXd tangent() const CV_OVERRIDE { return MatrixXd(9, 0); }
 
 private:
@@ -147,39 +147,53 @@ void requireFourDirections(const Matrix9d& S)
             "TRANSLATIONS_METRIC, which needs three");
 }
 
+//! R_cam2gripper that turns the FOEs into the displacements. Unlike p^T S p, which squares them, it heeds their signs.
+Matrix3d rotationFromFOEs(const std::vector<Expansion>& expansions, const Normalization& T, const Matrix3d& K)
+{
+    const Matrix3d toCamera = (T.matrix() * K).inverse();
+    Matrix3d sum = Matrix3d::Zero();
+    for (const Expansion& expansion : expansions)
+        sum += expansion.b.normalized() * (toCamera * expansion.e).normalized().transpose();
+    return nearestRotation(sum);
+}
+
+//! Minimum of p^T S p, and its S; in three passes, since the weights need the lengths of the P b_i.
+Projection projectionFromFOEs(const std::vector<Expansion>& expansions, const Normalization& T,
+                              const ProjectionSolver& solver, const Matrix3d* knownK, Matrix9d& S)
+{
+    Projection projection;
+    if (knownK)
+        projection.K = *knownK, projection.R = rotationFromFOEs(expansions, T, *knownK);
+    S = expansionForm(expansions, 0);
+    if (!knownK)
+        requireFourDirections(S);
+    for (int pass = 0; pass < 3; ++pass)
+    {
+        projection = knownK ? solver.minimizeFrom(projection, S) : solver.minimize(S);
+        const Vector9d p = solver.vector(projection);
+        S = expansionForm(expansions, &p);
+    }
+    return projection;
+}
+
 Estimate estimateFromFOEs(const GroupTranslations& motion, const std::vector<Pixels>& pixels, const Normalization& T,
-                          const ProjectionSolver& solver, int flags)
+                          const ProjectionSolver& solver, const Matrix3d* knownK)
 {
     std::vector<Expansion> expansions;
     for (const MotionGroup& group : motion.groups)
         for (size_t k = 1; k < group.views.size(); ++k)
             expansions.push_back(expansionOf(motion, pixels, T, group.views[0], group.views[k]));
-    Matrix9d S = expansionForm(expansions, 0);
-    if (!(flags & TRANSLATIONS_FIX_K))
-        requireFourDirections(S);
-    Projection projection;
-    for (int pass = 0; pass < 3; ++pass)
-    {
-        projection = solver.minimize(S);
-        const Vector9d p = solver.vector(projection);
-        S = expansionForm(expansions, &p);
-    }
-    double agreement = 0;
-    const auto along = [&](const Expansion& x)
-    { return -x.e.dot(modelOf(x).shift(solver.vector(projection)).normalized()); };
+    Matrix9d S;
+    const Projection projection = projectionFromFOEs(expansions, T, solver, knownK, S);
+    const Vector9d p = solver.vector(projection);
     for (const Expansion& expansion : expansions)
-        agreement += along(expansion);
-    if (agreement < 0)
-        solver.mirror(projection);
-    for (const Expansion& expansion : expansions)
-        if (along(expansion) < 0)
+        if (expansion.e.dot(modelOf(expansion).shift(p)) > 0)
             CV_Error(
                 Error::StsNoConv,
                 cv::format(
                     "t_gripper2base[%d]: the image moved against the translation of the robot; needed poses that belong to "
                     "imagePoints: are they inverted (base2gripper), or in another order?",
                     expansion.view));
-    const Vector9d p = solver.vector(projection);
     const int redundancy = 2 * int(expansions.size()) - solver.freeCount();
     const double misfit = redundancy > 0 ? std::sqrt(std::max(p.dot(S * p), 0.) / redundancy) : 1;
     GivenProjection given(motion, pixels, T, solver, projection);
@@ -196,8 +210,9 @@ Estimate estimateOnce(const GroupTranslations& motion, const std::vector<Pixels>
                 all.push_back(&pixels[view]);
     const Normalization T(all);
     const ProjectionSolver solver(T, motion.directions, flags, camera.K);
-    return method == TRANSLATIONS_FOE ? estimateFromFOEs(motion, pixels, T, solver, flags)
-                                      : estimateMetric(motion, pixels, T, solver, doubts);
+    return method == TRANSLATIONS_FOE
+               ? estimateFromFOEs(motion, pixels, T, solver, flags & TRANSLATIONS_FIX_K ? &camera.K : 0)
+               : estimateMetric(motion, pixels, T, solver, doubts);
 }
 
 //! K unknown, distortion known: removes it with the last K until K stays.

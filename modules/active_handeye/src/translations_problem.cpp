@@ -121,10 +121,11 @@ bool TranslationsProblem::updateImages(const Vector9d& p)
     return true;
 }
 
-bool TranslationsProblem::mirror(Vector9d& p)
+bool TranslationsProblem::mirror(const Matrix9d& S, Vector9d& p)
 {
     if (!solver_.mirror(projection))
         return false;
+    projection = solver_.minimizeFrom(projection, S); // translations of almost one plane: almost a minimum
     p = solver_.vector(projection);
     return true;
 }

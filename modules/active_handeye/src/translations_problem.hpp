@@ -38,7 +38,7 @@ public:
 
     Vector9d minimize(const Matrix9d& S) CV_OVERRIDE;
     bool updateImages(const Vector9d& p) CV_OVERRIDE;
-    bool mirror(Vector9d& p) CV_OVERRIDE;
+    bool mirror(const Matrix9d& S, Vector9d& p) CV_OVERRIDE;
     Eigen::MatrixXd tangent() const CV_OVERRIDE { return solver_.tangent(projection); }
 
     Projection projection;
