@@ -808,14 +808,15 @@ def estimateFOE(
         points1: (N, 2) or (N, 1, 2) pixels of the first view, without lens distortion.
         points2: pixels of the same scene points in the second view, row by row.
         method: FOE_LEAST_SQUARES (all matches are right) or FOE_RANSAC (some are wrong).
-        threshold: FOE_RANSAC: largest orthogonal distance of an inlier, pixels.
+        threshold: FOE_RANSAC: largest orthogonal distance of an inlier, pixels; with ten inliers or more five times their
+            noise counts, when that is less.
         confidence: FOE_RANSAC: probability that a sample without wrong matches was drawn.
 
     Returns:
         retval: number of inliers.
         foe: (3, 1) homogeneous pixel of norm 1; K^-1 foe is the direction in which the camera moved (at infinity,
             third number 0, for a motion parallel to the image plane).
-        inlierMask: (N, 1) uint8, 1 where the match agrees within threshold.
+        inlierMask: (N, 1) uint8, 1 where the match agrees with foe (FOE_LEAST_SQUARES: all 1).
         covariance: (3, 3) covariance of foe on the unit sphere, of rank 2. The noise is estimated from the
             residuals; two matches leave none, and 1 px per axis is assumed.
 

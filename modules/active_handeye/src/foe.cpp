@@ -7,6 +7,7 @@
 #include "decompositions.hpp"
 #include "least_squares.hpp"
 #include "normalization.hpp"
+#include "numbers.hpp"
 
 namespace cv { namespace active_handeye {
 
@@ -131,6 +132,21 @@ std::vector<uchar> gate(const Matches& matches, const Vector3d& e, double thresh
     return inliers;
 }
 
+//! The threshold, or five times the noise where that is less: a wrong match far below the threshold would spoil the covariance.
+double narrowed(double threshold, double shortest, const Matches& matches, const std::vector<uchar>& inliers,
+                const Vector3d& e)
+{
+    std::vector<double> distances;
+    for (size_t i = 0; i < matches.size(); ++i)
+        if (inliers[i])
+            distances.push_back(std::sqrt(squaredDistance(e, matches[i])));
+    const size_t enough = 10; // fewer leave the noise open
+    if (distances.size() < enough)
+        return threshold;
+    const double sigma = 1.4826 * median(distances);
+    return std::min(threshold, std::max(5 * sigma, shortest));
+}
+
 //! Sum of squared distances, each at most threshold^2.
 double score(const Matches& matches, const Vector3d& e, double threshold)
 {
@@ -190,8 +206,7 @@ double medianDisplacement(const Pixels& points1, const Pixels& points2, const st
     for (size_t i = 0; i < points1.size(); ++i)
         if (inliers[i])
             lengths.push_back((points2[i] - points1[i]).norm());
-    std::nth_element(lengths.begin(), lengths.begin() + lengths.size() / 2, lengths.end());
-    return lengths[lengths.size() / 2];
+    return median(lengths);
 }
 
 //! Refuses matches that leave the FOE open. sigma: noise per axis, pixels; JtJ: information in normalised units.
@@ -238,7 +253,7 @@ FOE estimateFOE(const Pixels& points1, const Pixels& points2, FOEMethod method, 
     result.inliers.assign(n, 1);
     if (medianDisplacement(points1, points2, result.inliers) == 0)
         requireDetermined(Eigen::Matrix2d::Zero(), 0, T.scale, 0, source);
-    const double gateWidth = threshold * T.scale;
+    const double gateWidth = threshold * T.scale, rounding = 1e-6 * T.scale;
     if (method == FOE_RANSAC && n > 2)
         result.inliers = gate(matches, ransacFOE(matches, gateWidth, confidence), gateWidth);
     Vector3d e = linearFOE(matches, result.inliers, 3);
@@ -246,7 +261,7 @@ FOE estimateFOE(const Pixels& points1, const Pixels& points2, FOEMethod method, 
     for (int round = 0; round < (method == FOE_RANSAC && n > 2 ? 3 : 1); ++round)
     {
         if (round > 0)
-            result.inliers = gate(matches, e, gateWidth);
+            result.inliers = gate(matches, e, narrowed(gateWidth, rounding, matches, result.inliers, e));
         if (n > 3 && count(result.inliers) < std::max(3, n / 10))
             CV_Error(
                 Error::StsNoConv,

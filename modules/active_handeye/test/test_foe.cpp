@@ -95,6 +95,33 @@ TEST(ActiveHandEye_EstimateFOE, thirty_percent_wrong_matches_are_masked)
     }
 }
 
+TEST(ActiveHandEye_EstimateFOE, wrong_matches_within_the_threshold_are_masked)
+{
+    for (const Vec3d& c : motions())
+    {
+        Pair pair = translate(c, 100, 0.02, 7);
+        int wrong = 0;
+        for (int j = 0; j < 30; ++j) // across the line of the displacement, which the threshold of 1 px allows
+        {
+            const Mat moved = pair.x2.row(j) - pair.x1.row(j);
+            const Vec2d along(moved.at<double>(0), moved.at<double>(1)),
+                off = (j % 2 ? 0.7 : -0.7) * along / cv::norm(along);
+            if (cv::norm(along) < 10)
+                continue;
+            pair.x2.at<double>(j, 0) -= off[1];
+            pair.x2.at<double>(j, 1) += off[0];
+            ++wrong;
+        }
+        ASSERT_GE(wrong, 20);
+        Vec3d foe;
+        Mat mask;
+        Matx33d covariance;
+        EXPECT_LE(estimateFOE(pair.x1, pair.x2, foe, mask, covariance), 100 - wrong + 1) << c;
+        EXPECT_GE(cv::countNonZero(mask.rowRange(30, 100)), 69) << c;
+        EXPECT_LE(cv::norm(foe - pair.foe), 3 * std::sqrt(cv::trace(covariance))) << c;
+    }
+}
+
 //! Normalised error squared on the tangent plane: chi-square with two degrees of freedom, mean 2.
 TEST(ActiveHandEye_EstimateFOE, covariance_predicts_the_error)
 {

@@ -32,11 +32,12 @@ The estimate minimises the sum of squared orthogonal distances of both points of
 @param[in] points1 N x 2 (or N x 1 x 2) pixels of the first view, without lens distortion.
 @param[in] points2 N x 2 pixels of the same scene points in the second view.
 @param[out] foe 3 x 1, \f$ K c \f$ up to scale, |foe| = 1.
-@param[out] inlierMask N x 1, 8 bit; 1 where the match agrees with foe within threshold (FOE_LEAST_SQUARES: all 1).
+@param[out] inlierMask N x 1, 8 bit; 1 where the match agrees with foe (FOE_LEAST_SQUARES: all 1).
 @param[out] covariance 3 x 3 covariance of foe on the unit sphere (rank 2: foe is its null vector). The noise level is estimated from the
 residuals; with two matches there are none, and a noise of 1 px per axis is assumed.
 @param[in] method see #FOEMethod.
-@param[in] threshold FOE_RANSAC: largest orthogonal distance of an inlier, pixels.
+@param[in] threshold FOE_RANSAC: largest orthogonal distance of an inlier, pixels; with ten inliers or more five times their noise counts, when
+that is less.
 @param[in] confidence FOE_RANSAC: probability that a sample without wrong matches was drawn.
 @return number of inliers.
 @throws cv::Exception StsBadArg, StsBadSize, StsOutOfRange for wrong input; StsNoConv when the matches cannot answer: fewer than two, no
