@@ -67,15 +67,14 @@ void LightPlaneCalibration::requireAnswer() const
     size_t used = 0;
     for (const StripeSurface& surface : surfaces)
         used += surface.views.size();
-    const double normalDeviation = observable_ ? std::sqrt(covariance_.topLeftCorner<2, 2>().trace()) : CV_PI;
     const double offsetDeviation = observable_ ? std::sqrt(covariance_(2, 2)) / light_.d : 1e9;
-    const bool weak = normalDeviation > largestNormalDeviation || offsetDeviation > largestOffsetDeviation;
+    const bool weak = normalDeviation() > largestNormalDeviation || offsetDeviation > largestOffsetDeviation;
     if (used * 10 < given_ * 6 || (weak && !contradictions_.empty()))
         failContradiction();
     if (!weak)
         return;
     std::string certainty = observable_ ? cv::format(" (standard deviations would be %.2g deg and %.2g %% of d)",
-                                                     normalDeviation * 180 / CV_PI, 100 * offsetDeviation)
+                                                     normalDeviation() * 180 / CV_PI, 100 * offsetDeviation)
                                         : " (nothing determines it)";
     CV_Error(Error::StsNoConv, explainWeakness(surfaces, directions_, cam2base, &light_) + certainty);
 }
@@ -112,6 +111,7 @@ void LightPlaneCalibration::calibrate(const AlignedVector<Pose>& gripper2base, c
     findDirections();
     start();
     refine();
+    requireOneExplanation();
     requireAnswer();
 }
 

@@ -170,7 +170,59 @@ void LightPlaneCalibration::refine()
         if (!dropped)
             break;
     }
-    updateCovariance(solve(std::numeric_limits<double>::infinity()));
+    solution_ = solve(std::numeric_limits<double>::infinity());
+    updateCovariance(solution_);
+}
+
+double LightPlaneCalibration::normalDeviation() const
+{
+    return observable_ ? std::sqrt(covariance_.topLeftCorner<2, 2>().trace()) : CV_PI;
+}
+
+//! The solution, and descents from light planes all around the stripe direction. They need not end: the valley may be long, narrow and bent.
+AlignedVector<LightPlaneExplanation> LightPlaneCalibration::explanations() const
+{
+    const int iterations = 30;
+    AlignedVector<LightPlaneExplanation> found(1, LightPlaneExplanation{light_, surfaces, solution_.cost});
+    for (const LightPlane& start : fanOfLightPlanes(camera.K, light_, knownPoints, surfaces))
+    {
+        StripeSurfaces fitted = surfaces;
+        for (StripeSurface& surface : fitted)
+            fitSurface(start, camera.K, surface);
+        LightPlaneProblem problem(camera.K, knownPoints, std::numeric_limits<double>::infinity(), start, fitted);
+        const double cost = solveLeastSquares(problem, iterations).cost;
+        found.push_back(LightPlaneExplanation{problem.light(), problem.surfaces(), cost});
+    }
+    return found;
+}
+
+void LightPlaneCalibration::requireOneExplanation()
+{
+    const double weak = 0.2 * CV_PI / 180; // rad
+    if (normalDeviation() < weak)
+        return;
+    const AlignedVector<LightPlaneExplanation> all = explanations();
+    const auto best =
+        std::min_element(all.begin(), all.end(), [](const LightPlaneExplanation& a, const LightPlaneExplanation& b)
+                         { return a.cost < b.cost; });
+    if (best->cost < solution_.cost)
+    {
+        light_ = best->light;
+        surfaces = best->surfaces;
+        solution_ = solve(std::numeric_limits<double>::infinity());
+        updateCovariance(solution_);
+    }
+    const double plausible = 9, different = 5; // of chi^2; standard deviations
+    for (const LightPlaneExplanation& other : all)
+    {
+        const double angle = std::atan2(light_.n.cross(other.light.n).norm(), light_.n.dot(other.light.n));
+        if (other.cost < solution_.cost + plausible * misfit_ && angle > different * normalDeviation())
+            CV_Error(Error::StsNoConv,
+                     cv::format("stripePoints: a light plane %.1f deg from the best one explains the stripes as well; "
+                                "needed stripes in more views, on more surfaces or at more orientations, given "
+                                "%d stripes on %d surfaces",
+                                angle * 180 / CV_PI, int(given_), int(surfaces.size())));
+    }
 }
 
 //! Share of the lines' variances that is not the scatter of their pixels but the floor, which good luck must not lower.
@@ -207,8 +259,8 @@ void LightPlaneCalibration::updateCovariance(const LeastSquaresSummary& summary)
     const int freedom = problem.residuals() - problem.unknowns();
     const int tellingFreedom = 10; // fewer could agree by chance
     const double found = freedom > 0 ? summary.cost / freedom : 1;
-    const double misfit = std::max(freedom >= tellingFreedom ? meanFloorShare(surfaces) : 1, found);
-    covariance_ = misfit * scale.asDiagonal() *
+    misfit_ = std::max(freedom >= tellingFreedom ? meanFloorShare(surfaces) : 1, found);
+    covariance_ = misfit_ * scale.asDiagonal() *
                   Matrix3d(eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() *
                            eigen.eigenvectors().transpose()) *
                   scale.asDiagonal();

@@ -16,6 +16,14 @@ struct Contradiction
     double error; //!< px
 };
 
+//! A light plane that may explain the stripes, with the surfaces that go with it.
+struct LightPlaneExplanation
+{
+    LightPlane light;
+    StripeSurfaces surfaces;
+    double cost; //!< sum of squared residuals
+};
+
 /** The calibration as a list of steps over its state, in the order of the public functions.
 
 Lengths are in units of `unit` inside, so that all numbers are about one.
@@ -44,13 +52,16 @@ private:
     void readSurfaces(const AlignedVector<Pose>& gripper2base, const std::vector<MotionGroup>& groups,
                       const Eigen::Matrix3d& cam2gripper, const std::vector<Pixels>& stripes,
                       const std::vector<int>& views, const std::vector<int>& ids);
-    void requireViews();        //!< keeps surfaces seen in three views
-    void findDirections();      //!< vanishing directions; a surface whose lines meet nowhere is mislabelled and dropped
-    void start();               //!< closed form
-    void refine();              //!< maximum likelihood, robust first; drops segments that contradict
-    void requireAnswer() const; //!< throws when the answer is weak or rests on too few of the segments
+    void requireViews();   //!< keeps surfaces seen in three views
+    void findDirections(); //!< vanishing directions; a surface whose lines meet nowhere is mislabelled and dropped
+    void start();          //!< closed form
+    void refine();         //!< maximum likelihood, robust first; drops segments that contradict
+    void requireOneExplanation(); //!< where the answer is weak: no other light plane explains the stripes as well
+    void requireAnswer() const;   //!< throws when the answer is weak or rests on too few of the segments
     LeastSquaresSummary solve(double cauchyScale);
     void updateCovariance(const LeastSquaresSummary& summary);
+    double normalDeviation() const; //!< rad
+    AlignedVector<LightPlaneExplanation> explanations() const;
     bool dropContradictions();
     void dropThinSurfaces();
     void drop(StripeSurface& surface, size_t view, double error);
@@ -59,7 +70,9 @@ private:
 
     std::vector<VanishingDirection> directions_;
     LightPlane light_;
+    LeastSquaresSummary solution_;
     Eigen::Matrix3d covariance_; //!< tangent of n (2), d in units
+    double misfit_ = 1;          //!< variance of the residuals, in units of what the pixels' scatter says
     bool observable_ = false;
     std::vector<Contradiction> contradictions_;
     size_t given_ = 0;

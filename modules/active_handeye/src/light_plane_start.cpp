@@ -159,6 +159,22 @@ public:
         return true;
     }
 
+    AlignedVector<LightPlane> fan(const LightPlane& light)
+    {
+        AlignedVector<LightPlane> lights;
+        const double depth = light.d / light.n.dot(meanRay_);
+        for (const Vector3d& normal : fanOfNormals(light.n, findNormals(directions_, knownPoints_).stripe))
+        {
+            bestCost_ = std::numeric_limits<double>::infinity();
+            tryNormal(normal, false);
+            for (double factor : {0.25, 0.35, 0.5, 0.7, 1., 1.4, 2., 2.8, 4.})
+                tryOffset(facing(normal), factor * depth * std::abs(normal.dot(meanRay_)));
+            if (std::isfinite(bestCost_))
+                lights.push_back(best_);
+        }
+        return lights;
+    }
+
 private:
     //! No line contradicts, and they agree to half a pixel.
     bool isClean() const { return bestCost_ < 0.25 * lineCount(); }
@@ -171,10 +187,11 @@ private:
         return count;
     }
 
-    void tryNormal(Vector3d n, bool subsets)
+    Vector3d facing(const Vector3d& n) const { return n.dot(meanRay_) < 0 ? Vector3d(-n) : n; }
+
+    void tryNormal(const Vector3d& axis, bool subsets)
     {
-        if (n.dot(meanRay_) < 0)
-            n = -n;
+        const Vector3d n = facing(axis);
         for (const Vector3d& X : knownPoints_)
             tryOffset(n, n.dot(X));
         for (size_t s = 0; s < surfaces_.size(); ++s)
@@ -222,6 +239,15 @@ bool startLightPlane(const Matrix3d& K, const std::vector<VanishingDirection>& d
                      const AlignedVector<Vector3d>& knownPoints, StripeSurfaces& surfaces, LightPlane& light)
 {
     return LightPlaneSearch(K, directions, knownPoints, surfaces).run(light);
+}
+
+AlignedVector<LightPlane> fanOfLightPlanes(const Matrix3d& K, const LightPlane& light,
+                                           const AlignedVector<Vector3d>& knownPoints, StripeSurfaces surfaces)
+{
+    std::vector<VanishingDirection> directions;
+    for (const StripeSurface& surface : surfaces)
+        directions.push_back(findVanishingDirection(surface, K));
+    return LightPlaneSearch(K, directions, knownPoints, surfaces).fan(light);
 }
 
 }} // namespace cv::active_handeye

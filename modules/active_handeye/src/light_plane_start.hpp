@@ -22,6 +22,10 @@ double fitSurface(const LightPlane& light, const Eigen::Matrix3d& K, StripeSurfa
 bool startLightPlane(const Eigen::Matrix3d& K, const std::vector<VanishingDirection>& directions,
                      const AlignedVector<Eigen::Vector3d>& knownPoints, StripeSurfaces& surfaces, LightPlane& light);
 
+//! The best offset for each of the normals that fan out about the best known stripe direction, where there is one.
+AlignedVector<LightPlane> fanOfLightPlanes(const Eigen::Matrix3d& K, const LightPlane& light,
+                                           const AlignedVector<Eigen::Vector3d>& knownPoints, StripeSurfaces surfaces);
+
 }} // namespace cv::active_handeye
 
 #endif

@@ -110,6 +110,14 @@ static Matrix3d knownPointEquations(const AlignedVector<Vector3d>& knownPoints)
     return M;
 }
 
+AlignedVector<Vector3d> fanOfNormals(const Vector3d& n, const Vector3d& axis)
+{
+    AlignedVector<Vector3d> normals;
+    for (int degrees = 2; degrees < 180; degrees += 2)
+        normals.push_back(Eigen::AngleAxisd(degrees * CV_PI / 180, axis) * n);
+    return normals;
+}
+
 NormalCandidates findNormals(const std::vector<VanishingDirection>& directions,
                              const AlignedVector<Vector3d>& knownPoints)
 {
@@ -135,8 +143,10 @@ NormalCandidates findNormals(const std::vector<VanishingDirection>& directions,
         }
     const double weak = 0.05; // rad: n is free to turn about the common direction
     candidates.isFan = eigen.eigenvalues()(1) * weak * weak < 1;
-    for (int degrees = 2; candidates.isFan && degrees < 180; degrees += 2)
-        candidates.normals.push_back(Eigen::AngleAxisd(degrees * CV_PI / 180, eigen.eigenvectors().col(2)) * n);
+    candidates.stripe = eigen.eigenvectors().col(2);
+    if (candidates.isFan)
+        for (const Vector3d& turned : fanOfNormals(n, candidates.stripe))
+            candidates.normals.push_back(turned);
     return candidates;
 }
 

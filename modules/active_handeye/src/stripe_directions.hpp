@@ -33,12 +33,16 @@ VanishingDirection findVanishingDirection(const StripeSurface& surface, const Ei
 struct NormalCandidates
 {
     AlignedVector<Eigen::Vector3d> normals;
-    bool isFan; //!< the directions are all alike: normals that fan out across them are among the candidates
+    Eigen::Vector3d stripe; //!< the direction in the light plane that is known best
+    bool isFan; //!< the directions are all alike: normals that fan out about `stripe` are among the candidates
 };
 
 //! From all directions by least squares (paper (25)), then from pairs of them, then the fan.
 NormalCandidates findNormals(const std::vector<VanishingDirection>& directions,
                              const AlignedVector<Eigen::Vector3d>& knownPoints);
+
+//! n turned about the axis in steps of 2 degrees, without n itself.
+AlignedVector<Eigen::Vector3d> fanOfNormals(const Eigen::Vector3d& n, const Eigen::Vector3d& axis);
 
 }} // namespace cv::active_handeye
 

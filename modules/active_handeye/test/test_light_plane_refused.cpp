@@ -120,6 +120,59 @@ TEST(ActiveHandEye_calibrateLightPlane, WeakAnswerIsRefusedWithItsUncertainty)
                   {"stripePoints: all groups share the stripe direction", "standard deviations would be"});
 }
 
+//! Two groups of three views of one surface: 12 numbers for 9 unknowns, so that often very different planes fit as well.
+StripeScene scantScene(uint64 seed)
+{
+    StripeScene scene;
+    RNG rng(seed);
+    const auto vector3 = [&rng](double size)
+    {
+        Vec3d v;
+        for (int k = 0; k < 3; ++k)
+            v[k] = rng.uniform(-size, size);
+        return v;
+    };
+    const Vec3d normal = Vec3d(0, -0.5, 0.25) + vector3(0.15), table = Vec3d(0, 0, 1) + vector3(0.6);
+    scene.n = normal / cv::norm(normal);
+    scene.d = scene.n[2] * 0.5;
+    scene.D.assign(5, 0);
+    for (int group = 0; group < 2; ++group)
+    {
+        const Vec3d centre(0, 0, 0.5);
+        scene.addGroup(vector3(1), group * rng.uniform(3., 20.),
+                       {centre, centre + vector3(0.05), centre + vector3(0.05)});
+    }
+    scene.addSurface(table, 0, 40, 600);
+    scene.columnStep = 8;
+    scene.shine(0.1, seed);
+    return scene;
+}
+
+TEST(ActiveHandEye_calibrateLightPlane, ScantStripesGiveAPlaneWithinItsUncertaintyOrNone)
+{
+    int answers = 0;
+    for (uint64 seed = 1; seed <= 200; ++seed)
+    {
+        const StripeScene scene = scantScene(seed);
+        Vec4d plane;
+        Matx44d covariance;
+        Mat given(covariance, false);
+        try
+        {
+            scene.calibrate(plane, given);
+        }
+        catch (const cv::Exception& e)
+        {
+            EXPECT_EQ(int(Error::StsNoConv), e.code) << e.what();
+            continue;
+        }
+        ++answers;
+        const double deviation = std::sqrt(covariance(0, 0) + covariance(1, 1) + covariance(2, 2)) * 180 / CV_PI;
+        EXPECT_LE(scene.normalError(plane), 5 * deviation) << "seed " << seed;
+    }
+    EXPECT_GE(answers, 60);
+}
+
 TEST(ActiveHandEye_calibrateLightPlane, InvertedPosesPutThePlaneBehindTheCamera)
 {
     StripeScene scene = StripeScene::standard();
