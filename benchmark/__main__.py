@@ -24,7 +24,7 @@ REPOSITORY = Path(__file__).parents[1]
 REPORTS = REPOSITORY / "out/benchmark"
 PARALLEL = (
     *("demo", "experiment", "seam", "light_plane", "refine", "lens_models", "measured_points", "opencv_boards"),
-    *("planning", "protocols", "degenerate", "robust", "hand_eye"),
+    *("planning", "protocols", "degenerate", "mountings", "robust", "hand_eye"),
 )
 """Those that run their trials on the workers of cluster.py."""
 NAMES = (
@@ -96,6 +96,7 @@ HEADLINES = (
     Headline("faults", "moves after*", "faults during captures: moves after a stop condition"),
     Headline("faults", "lost*", "- lost views"),
     Headline("degenerate", "usable answers off by*", "- silent wrong answers in 2200 degenerate recordings"),
+    Headline("mountings", "noisy answers off by*", "- any mounting and motion: off by > 6 sigma [per mille]"),
     Headline("robust", "*error / clean error*", "- RMSE with wrong tracks or poses / RMSE without"),
     Headline(
         "hand_eye",

@@ -258,10 +258,14 @@ FOE estimateFOE(const Pixels& points1, const Pixels& points2, FOEMethod method, 
         result.inliers = gate(matches, ransacFOE(matches, gateWidth, confidence), gateWidth);
     Vector3d e = linearFOE(matches, result.inliers, 3);
     LeastSquaresSummary fit;
-    for (int round = 0; round < (method == FOE_RANSAC && n > 2 ? 3 : 1); ++round)
+    const int maxRounds = method == FOE_RANSAC && n > 2 ? 10 : 1;
+    for (int round = 0; round < maxRounds; ++round)
     {
+        const std::vector<uchar> last = result.inliers;
         if (round > 0)
-            result.inliers = gate(matches, e, narrowed(gateWidth, rounding, matches, result.inliers, e));
+            result.inliers = gate(matches, e, narrowed(gateWidth, rounding, matches, last, e));
+        if (round > 0 && result.inliers == last)
+            break;
         if (n > 3 && count(result.inliers) < std::max(3, n / 10))
             CV_Error(
                 Error::StsNoConv,
