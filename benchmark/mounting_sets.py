@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.transform import Rotation
+from scipy.stats import norm
 
 import cv_active_handeye as cah
 
@@ -23,7 +24,7 @@ POSE_NOISE = 1e-3
 
 @dataclass(frozen=True)
 class Found:
-    """Estimate - truth and its covariance, of any rank."""
+    """Truth - estimate and its covariance, of any rank."""
 
     error: Array
     covariance: Array
@@ -196,7 +197,10 @@ def _stripe(light: Array, normal: Array, offset: float) -> Array:
 
 @dataclass(frozen=True)
 class TargetPoses:
-    """calibrateHandEyeExtended; `turn`: standard deviation of the components of the robot's rotation vectors."""
+    """calibrateHandEyeExtended; `turn`: standard deviation of the components of the robot's rotation vectors.
+
+    The noise levels are estimated from a few poses, so the error is compared with the interval of Student's t.
+    """
 
     count: int
     turn: float
@@ -214,4 +218,5 @@ class TargetPoses:
             poses.append((R, t, camera.T @ target @ jitter, seen))
         _, R_cam2gripper, t_cam2gripper, summary = cah.calibrateHandEyeExtended(*zip(*poses, strict=True))
         off = [*turned_by(cell.R_cam2gripper, R_cam2gripper), *(cell.t_cam2gripper - t_cam2gripper[:, 0])]
-        return Found(np.array(off), summary.covariance)
+        half = 0.5 * (summary.intervals95[:, 1] - summary.intervals95[:, 0])
+        return Found(np.array(off), np.diag((half / norm.ppf(0.975)) ** 2))
