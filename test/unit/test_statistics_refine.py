@@ -108,3 +108,10 @@ def test_a_noisy_robot_before_a_board_is_no_worse_than_by_opencv() -> None:
     ]
     rmse = np.sqrt(np.mean(np.square(errors), axis=0))
     assert (rmse[-1] <= 1.1 * rmse[:-1].min(axis=0)).all()
+
+
+def test_refineHandEye_that_is_stuck_before_the_minimum_gives_no_answer() -> None:
+    # The levels of an exact robot fall to their floor, and the corrections of the poses stay thirty times larger.
+    answer = degenerate.trial(tiny_translations, 2001, 40)
+    assert answer.refused
+    assert "no convergence" in answer.text

@@ -107,6 +107,7 @@ void VarianceComponents::solve()
     covariance_ = scale.asDiagonal() * covariance_ * scale.asDiagonal();
 
     step_ = -covariance_ * gradient;
+    squaredStep_ = -gradient.dot(step_);
     const DataTerm* data[] = {&problem_.points(), &problem_.stripes()};
     for (int k = 0; k < 2; ++k)
         if (isPresent(k))

@@ -46,6 +46,9 @@ public:
     //! Where the reduced unknowns have their optimum, seen from the linearisation.
     const Eigen::VectorXd& step() const { return step_; }
 
+    //! Squared length of this step in standard deviations: what it would take off the cost.
+    double squaredStep() const { return squaredStep_; }
+
     //! -2 log restricted likelihood of the present levels, but for a constant of the linearisation.
     double deviance() const;
 
@@ -77,7 +80,8 @@ private:
     bool isFree_[NOISE_COMPONENTS], isAtFloor_[NOISE_COMPONENTS];
 
     Eigen::MatrixXd covariance_, traces_;
-    double logDeterminant_;         //!< of H
+    double logDeterminant_; //!< of H
+    double squaredStep_;
     Eigen::MatrixXd stripeProduct_; //!< T of the stripes
     Eigen::Vector4d quadratic_, trace_;
     Eigen::Matrix4d logVarianceCovariance_;

@@ -129,7 +129,8 @@ void HandEyeRefinement::fit(double tolerance)
         const double smallest = std::max(rounding, negligible * robotNoiseInImage());
         const double floors[] = {smallest, smallest, smallestShare * angle * workingDistance(), smallestShare * angle};
         components_.reset(new VarianceComponents(problem_, isFixed, floors));
-        const double change = components_->estimate();
+        const double change = components_->estimate(), farStep = 1; // standard deviation: the solver was stuck before
+        converged_ = converged_ && components_->squaredStep() < farStep * farStep;
         problem_.noise = components_->levels();
         if (change < 1e-3)
             break;
